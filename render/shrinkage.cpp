@@ -5,7 +5,6 @@
 #include <array>
 #include <utility>
 
-#include "render/channel_rows.h"
 #include "render/shrinkage_kernels.h"
 #include "render/vulkan/vulkan_shrinkage.h"
 
@@ -64,10 +63,21 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
                           {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
 
   pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      kernels.to_opponent(rows_of(std::as_const(radiance), y).data(), rows_of(variance, y).data(),
-                          options.offset, cols, rows_of(opponent_, y).data(), rows_of(noise_, y).data(),
-                          rows_of(sum_, y).data(), rows_of(weight_, y).data());
+    for (int y = y0; y < y1; ++y) {
+      OpponentRow row{.radiance = {},
+                      .variance = {},
+                      .offset = options.offset,
+                      .opponent = {},
+                      .noise = {},
+                      .sum = {},
+                      .weight = {}};
+      for (int c = 0; c < 3; ++c) {
+        row.radiance[c] = radiance.row(c, y), row.variance[c] = variance.row(c, y);
+        row.opponent[c] = opponent_.row(c, y), row.noise[c] = noise_.row(c, y);
+        row.sum[c] = sum_.row(c, y), row.weight[c] = weight_.row(c, y);
+      }
+      kernels.to_opponent(row, cols);
+    }
   });
 
   const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
@@ -75,8 +85,13 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
   const auto shrink = [&](int c, int line) {
     const int y = std::min(line * grid.line_step, rows - kShrinkageTile);
     const auto& table = c == 0 ? luminance : chroma;
-    kernels.shrink(opponent_.row(c, y), noise_.row(c, y), table.data(),
-                   line < last ? line % 2 * grid.shift : 0, cols, sum_.row(c, y), weight_.row(c, y));
+    kernels.shrink({.opponent = opponent_.row(c, y),
+                    .noise = noise_.row(c, y),
+                    .thresholds = table.data(),
+                    .first = line < last ? line % 2 * grid.shift : 0,
+                    .cols = cols,
+                    .sum = sum_.row(c, y),
+                    .weight = weight_.row(c, y)});
   };
   // Lines of tiles that are a tile apart do not overlap: passes of independent lines, then the last line if
   // it is out of step.
@@ -87,9 +102,14 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
   if (last > in_step) pool_.for_each(3, [&](int c) { shrink(c, last); });
 
   pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      kernels.to_radiance(rows_of(std::as_const(sum_), y).data(), rows_of(std::as_const(weight_), y).data(),
-                          options.offset, cols, rows_of(radiance, y).data());
+    for (int y = y0; y < y1; ++y) {
+      SmoothRow row{.sum = {}, .weight = {}, .offset = options.offset, .radiance = {}};
+      for (int c = 0; c < 3; ++c) {
+        row.sum[c] = sum_.row(c, y), row.weight[c] = weight_.row(c, y);
+        row.radiance[c] = radiance.row(c, y);
+      }
+      kernels.to_radiance(row, cols);
+    }
   });
 }
 

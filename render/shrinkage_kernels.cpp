@@ -2,6 +2,8 @@
 // A row of a tile is one vector of eight floats.
 #include "render/shrinkage_kernels.h"
 
+#include <cstddef>
+
 #include "hal/core/lane_functions.h"
 #include "hal/core/lanes.h"
 
@@ -14,20 +16,19 @@ inline Lanes positive(Lanes v) { return v > 0 ? v : Lanes{}; }
 constexpr float kOpponent[3][3] = {
     {kOfLuminance, kOfLuminance, kOfLuminance}, {-kOfRedBlue, 0, kOfRedBlue}, {kOfBoth, -kOfGreen, kOfBoth}};
 
-void to_opponent(const float* const radiance[3], const float* const variance[3], float offset, int n,
-                 float* const opponent[3], float* const noise[3], float* const sum[3],
-                 float* const weight[3]) {
+void to_opponent(const OpponentRow& row, int n) {
   constexpr int kBlock = 64;
+  const float offset = row.offset;
   // whole rows: for a block the compiler writes string instructions, which take longer to begin than to end
   for (int c = 0; c < 3; ++c) {
-    __builtin_memset(sum[c], 0, sizeof(float) * static_cast<std::size_t>(n));
-    __builtin_memset(weight[c], 0, sizeof(float) * static_cast<std::size_t>(n));
+    __builtin_memset(row.sum[c], 0, sizeof(float) * static_cast<std::size_t>(n));
+    __builtin_memset(row.weight[c], 0, sizeof(float) * static_cast<std::size_t>(n));
   }
   float logs[3][kBlock], variances[3][kBlock];
   for (int x0 = 0; x0 < n; x0 += kBlock) {
     const int count = n - x0 < kBlock ? n - x0 : kBlock;
     for (int c = 0; c < 3; ++c) {
-      const float *in = radiance[c] + x0, *v = variance[c] + x0;
+      const float *in = row.radiance[c] + x0, *v = row.variance[c] + x0;
       for (int x = 0; x < count; ++x) {
         const float a = (in[x] > 0 ? in[x] : 0) + offset, relative = v[x] / (a * a);
         logs[c][x] = log_of(a);
@@ -37,7 +38,7 @@ void to_opponent(const float* const radiance[3], const float* const variance[3],
     for (int c = 0; c < 3; ++c) {
       const float* t = kOpponent[c];
       const float t0 = t[0] * t[0], t1 = t[1] * t[1], t2 = t[2] * t[2];
-      float *o = opponent[c] + x0, *s = noise[c] + x0;
+      float *o = row.opponent[c] + x0, *s = row.noise[c] + x0;
       for (int x = 0; x < count; ++x) o[x] = t[0] * logs[0][x] + t[1] * logs[1][x] + t[2] * logs[2][x];
       for (int x = 0; x < count; ++x)
         s[x] = t0 * variances[0][x] + t1 * variances[1][x] + t2 * variances[2][x];
@@ -45,16 +46,18 @@ void to_opponent(const float* const radiance[3], const float* const variance[3],
   }
 }
 
-void to_radiance(const float* const sum[3], const float* const weight[3], float offset, int n,
-                 float* const radiance[3]) {
+void to_radiance(const SmoothRow& row, int n) {
   constexpr int kBlock = 64;
+  const float offset = row.offset;
   float o[3][kBlock];
   for (int x0 = 0; x0 < n; x0 += kBlock) {
     const int count = n - x0 < kBlock ? n - x0 : kBlock;
-    for (int c = 0; c < 3; ++c)
-      for (int x = 0; x < count; ++x) o[c][x] = sum[c][x0 + x] / weight[c][x0 + x];
     for (int c = 0; c < 3; ++c) {
-      float* out = radiance[c] + x0;
+      const float *sum = row.sum[c] + x0, *weight = row.weight[c] + x0;
+      for (int x = 0; x < count; ++x) o[c][x] = sum[x] / weight[x];
+    }
+    for (int c = 0; c < 3; ++c) {
+      float* out = row.radiance[c] + x0;
       for (int x = 0; x < count; ++x) {
         const float value =
             exp_of(kOpponent[0][c] * o[0][x] + kOpponent[1][c] * o[1][x] + kOpponent[2][c] * o[2][x]) -
@@ -117,10 +120,11 @@ inline Tile transposed(const Tile& a) {
   return out;
 }
 
-void shrink(const float* opponent, const float* noise, const float* thresholds, int first, int cols,
-            float* sum, float* weight) {
-  const int last = cols - kShrinkageTile;
-  for (int x0 = first < last ? first : last;;) {
+void shrink(const TileRow& row) {
+  const float *opponent = row.opponent, *noise = row.noise, *thresholds = row.thresholds;
+  float *sum = row.sum, *weight = row.weight;
+  const int cols = row.cols, last = cols - kShrinkageTile;
+  for (int x0 = row.first < last ? row.first : last;;) {
     Tile pixels;
     Lanes noises{};
     for (int i = 0; i < 8; ++i) {

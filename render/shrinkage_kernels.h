@@ -3,25 +3,38 @@
 // code (CMakeLists.txt).
 #pragma once
 
-#include <cstddef>
-
 #include "render/shrinkage_constants.h"
 
 namespace hdrcam {
 
+// The logarithm of radiance + offset in opponent colours, and its variance: three planes' rows.
+struct OpponentRow {
+  const float *radiance[3], *variance[3];
+  float offset;
+  float *opponent[3], *noise[3];
+  float *sum[3], *weight[3];  // are cleared
+};
+
+// One row of tiles of one channel. The pointers stand at its first pixel, rows are `cols` floats long.
+struct TileRow {
+  const float *opponent, *noise;
+  const float* thresholds;  // of the tile's coefficients, by both frequencies alike, per variance of a pixel
+  int first;                // column of the first tile; the last one ends with the row
+  int cols;
+  float *sum, *weight;  // each tile is added
+};
+
+// What the tiles add up to, as radiance: three planes' rows.
+struct SmoothRow {
+  const float *sum[3], *weight[3];
+  float offset;
+  float* radiance[3];
+};
+
 struct ShrinkageKernels {
-  // The logarithm of radiance + offset in opponent colours, and its variance; sum and weight are cleared.
-  // Each is three planes' rows of n pixels.
-  void (*to_opponent)(const float* const radiance[3], const float* const variance[3], float offset, int n,
-                      float* const opponent[3], float* const noise[3], float* const sum[3],
-                      float* const weight[3]);
-  // One row of tiles of one channel; the pointers stand at its first pixel, rows are `cols` floats long.
-  // thresholds: of the tile's coefficients, by both frequencies alike, per variance of a pixel. first: the
-  // column of the first tile; the last one ends with the row.
-  void (*shrink)(const float* opponent, const float* noise, const float* thresholds, int first, int cols,
-                 float* sum, float* weight);
-  void (*to_radiance)(const float* const sum[3], const float* const weight[3], float offset, int n,
-                      float* const radiance[3]);
+  void (*to_opponent)(const OpponentRow&, int n);
+  void (*shrink)(const TileRow&);
+  void (*to_radiance)(const SmoothRow&, int n);
 };
 
 const ShrinkageKernels& shrinkage_kernels();

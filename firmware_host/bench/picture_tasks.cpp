@@ -83,15 +83,15 @@ void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
            RandomPlanes(6, rows, cols, 0, 0, 3), RandomPlanes(3, rows, cols, 0, 0, 4)});
   const ShrinkageKernels& kernels = shrinkage_kernels();
   add_rows(tasks, "shrinkage: to opponent colours", rows, cols, 90, 18, [room, &kernels, cols](int y) {
-    const auto rows_of = [y](RandomPlanes& planes, int first) {
-      return std::array<float*, 3>{planes.row(first, y), planes.row(first + 1, y), planes.row(first + 2, y)};
-    };
-    const auto radiance = rows_of(room->in, 0), variance = rows_of(room->in, 3);
-    const std::array<const float*, 3> r{radiance[0], radiance[1], radiance[2]};
-    const std::array<const float*, 3> v{variance[0], variance[1], variance[2]};
-    kernels.to_opponent(r.data(), v.data(), 0.01f, cols, rows_of(room->opponent, 0).data(),
-                        rows_of(room->opponent, 3).data(), rows_of(room->sum, 0).data(),
-                        rows_of(room->sum, 3).data());
+    RandomPlanes &in = room->in, &opponent = room->opponent, &sum = room->sum;
+    kernels.to_opponent({.radiance = {in.row(0, y), in.row(1, y), in.row(2, y)},
+                         .variance = {in.row(3, y), in.row(4, y), in.row(5, y)},
+                         .offset = 0.01f,
+                         .opponent = {opponent.row(0, y), opponent.row(1, y), opponent.row(2, y)},
+                         .noise = {opponent.row(3, y), opponent.row(4, y), opponent.row(5, y)},
+                         .sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                         .weight = {sum.row(3, y), sum.row(4, y), sum.row(5, y)}},
+                        cols);
   });
   std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
   thresholds.fill(1);
@@ -102,17 +102,24 @@ void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
   tiles.run = [room, &kernels, lines, cols, thresholds] {
     for (int line = 0; line < lines; ++line) {
       const int y = line * kShrinkageStep;
-      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), thresholds.data(), 0, cols,
-                     room->sum.row(0, y), room->sum.row(3, y));
+      kernels.shrink({.opponent = room->opponent.row(0, y),
+                      .noise = room->in.row(3, y),
+                      .thresholds = thresholds.data(),
+                      .first = 0,
+                      .cols = cols,
+                      .sum = room->sum.row(0, y),
+                      .weight = room->sum.row(3, y)});
     }
   };
   tasks.push_back(std::move(tiles));
   const auto weights = std::make_shared<RandomPlanes>(3, rows, cols, 1.f, 2.f, 5);
   add_rows(tasks, "shrinkage: to radiance", rows, cols, 80, 9, [room, weights, &kernels, cols](int y) {
-    const float* const sum[3] = {room->in.row(0, y), room->in.row(1, y), room->in.row(2, y)};
-    const float* const weight[3] = {weights->row(0, y), weights->row(1, y), weights->row(2, y)};
-    float* const out[3] = {room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)};
-    kernels.to_radiance(sum, weight, 0.01f, cols, out);
+    RandomPlanes &sum = room->in, &weight = *weights, &out = room->out;
+    kernels.to_radiance({.sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                         .weight = {weight.row(0, y), weight.row(1, y), weight.row(2, y)},
+                         .offset = 0.01f,
+                         .radiance = {out.row(0, y), out.row(1, y), out.row(2, y)}},
+                        cols);
   });
 }
 
