@@ -1,8 +1,7 @@
 // The hot loops of the field on raw pointers: one table of functions per instruction set, selected at start
 // by field_kernels(). Everything is [features, ld] with samples innermost; n is a multiple of kSampleMultiple
-// and rows are 64-byte aligned. The scalar twins are in hash_grid.h, mlp.h and ../fit/adam.h; tests compare
-// them. Reentrant. This header holds declarations only: the kernels' files may include nothing with inline
-// code (CMakeLists.txt).
+// and rows are 64-byte aligned. The scalar twins are in plain_kernels.h; tests compare them. Reentrant. This
+// header holds declarations only: the kernels' files may include nothing with inline code (CMakeLists.txt).
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hal/core/image.h"
-#include "online/scene/hash_grid/field/field_kernels.h"
+#include "online/scene/hash_grid/field/plain_kernels.h"
 #include "online/scene/hash_grid/field/random.h"
 
 namespace hdrcam {
@@ -21,43 +21,6 @@ template <class T>
 struct MlpTrace {
   Image<T> hidden[2], d_hidden[2];
 };
-
-// The scalar twins of the kernels.
-namespace plain {
-
-template <class T>
-void affine(const LayerSize& size, const T* w, const T* b, const T* x, bool relu, T* y) {
-  const auto [in, out, ld, n] = size;
-  for (int o = 0; o < out; ++o)
-    for (int s = 0; s < n; ++s) {
-      T sum = b[o];
-      for (int i = 0; i < in; ++i) sum += w[o * in + i] * x[i * ld + s];
-      y[o * ld + s] = relu && sum < 0 ? 0 : sum;
-    }
-}
-
-template <class T>
-void affine_transposed(const LayerSize& size, const T* w, const T* dy, const T* active, T* dx) {
-  const auto [in, out, ld, n] = size;
-  for (int i = 0; i < in; ++i)
-    for (int s = 0; s < n; ++s) {
-      T sum = 0;
-      for (int o = 0; o < out; ++o) sum += w[o * in + i] * dy[o * ld + s];
-      dx[i * ld + s] = active != nullptr && !(active[i * ld + s] > 0) ? 0 : sum;
-    }
-}
-
-template <class T>
-void outer(const LayerSize& size, const T* dy, const T* x, T* dw, T* db) {
-  const auto [in, out, ld, n] = size;
-  for (int o = 0; o < out; ++o)
-    for (int s = 0; s < n; ++s) {
-      for (int i = 0; i < in; ++i) dw[o * in + i] += dy[o * ld + s] * x[i * ld + s];
-      db[o] += dy[o * ld + s];
-    }
-}
-
-}  // namespace plain
 
 template <class T>
 class Mlp {

@@ -40,20 +40,4 @@ inline void apply_adam(const AdamStep& step, std::span<float> parameter, std::sp
   field_kernels().adam(step, parameter.size(), parameter.data(), gradient.data(), mean, variance);
 }
 
-namespace plain {  // the readable twin of the kernel
-
-inline void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient, float* mean,
-                 float* variance) {
-  for (std::size_t i = 0; i < n; ++i) {
-    if (gradient[i] == 0) continue;
-    const float g = gradient[i] * step.gradient_scale;
-    mean[i] = step.beta1 * mean[i] + (1 - step.beta1) * g;
-    variance[i] = step.beta2 * variance[i] + (1 - step.beta2) * g * g;
-    parameter[i] -= step.rate * mean[i] / (std::sqrt(variance[i]) + step.epsilon);
-    gradient[i] = 0;
-  }
-}
-
-}  // namespace plain
-
 }  // namespace hdrcam

@@ -1,4 +1,4 @@
-// The eight lattice vertices around a position (grid_corners() of ../hash_grid.h). Includers declare `levels`.
+// The eight lattice vertices around a position (../grid_corners.h). Includers declare `levels`.
 //   levels  [level][cells along u, v, d, and dense or not; strides along u, v, d, and entries]: HashLevel
 struct Corners {
   uvec3 low, high;               // vertex times stride, on the near and the far side
