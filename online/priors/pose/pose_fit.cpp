@@ -9,6 +9,24 @@
 #include "hal/core/median.h"
 
 namespace hdrcam {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// What the equation of a point's depth leaves once the pose is solved for.
+struct EliminatedDepth {
+  Vector6 coupling = Vector6::Zero();  // with the pose's step
+  double gradient = 0, curvature = 1;
+};
+
+// The sums over a part of the points.
+struct PoseSums {
+  Matrix6 H = Matrix6::Zero();
+  Vector6 g = Vector6::Zero();
+  double cost = 0;
+  int seen = 0, inliers = 0;
+};
+
 namespace {
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
@@ -122,6 +140,9 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
   }
   return kSigmaPerMad * median(errors);
 }
+
+PoseFitter::PoseFitter(WorkerPool& pool) : pool_(pool) {}
+PoseFitter::~PoseFitter() = default;
 
 void PoseFitter::reserve(std::size_t points) {
   eliminated_.reserve(points);

@@ -47,25 +47,14 @@ struct FitOptions {
       12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-// What the equation of a point's depth leaves once the pose is solved for.
-struct EliminatedDepth {
-  Vector6 coupling = Vector6::Zero();  // with the pose's step
-  double gradient = 0, curvature = 1;
-};
-// The sums over a part of the points.
-struct PoseSums {
-  Matrix6 H = Matrix6::Zero();
-  Vector6 g = Vector6::Zero();
-  double cost = 0;
-  int seen = 0, inliers = 0;
-};
+struct EliminatedDepth;  // both of pose_fit.cpp
+struct PoseSums;
 
 // Fits one pose after the other in the same memory. The pool belongs to the caller's thread and outlives it.
 class PoseFitter {
  public:
-  explicit PoseFitter(WorkerPool& pool) : pool_(pool) {}
+  explicit PoseFitter(WorkerPool& pool);
+  ~PoseFitter();
   // Allocates for up to so many points; fit() then allocates nothing.
   void reserve(std::size_t points);
 
