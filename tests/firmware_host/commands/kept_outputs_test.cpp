@@ -140,7 +140,7 @@ TEST_CASE("an empty name of a file or a folder is refused by every verb and ever
 TEST_CASE("a run that is refused leaves no folder of its outputs") {
   const std::string folder = sample::scratch_folder("kept_refused"), out = folder + "/out";
   for (const std::vector<std::string>& flags :
-       std::vector<std::vector<std::string>>{{"-o", out + "/100%/%06d.exr"},
+       std::vector<std::vector<std::string>>{{"-o", out + "/%06d/%06d.exr"},
                                              {"-o", out + "/frame.exr"},
                                              {"--preview", out + "/%06d.exr"},
                                              {"--colmap", out + "/colmap"},
