@@ -1,7 +1,10 @@
 #include "capture/demosaic.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "capture/demosaic_kernels.h"
 
 namespace hdrcam {
 namespace {
@@ -35,97 +38,47 @@ int mirrored(int i, int count) {
   return std::clamp(i, 0, count - 1);
 }
 
-// One line through a red or blue pixel: the two greens beside it and the two samples of its own colour beyond
-// them.
-struct Line {
-  float gradient, green;
-};
-Line along(float far_before, float green_before, float own, float green_after, float far_after) {
-  const float bend = 2 * own - far_before - far_after;
-  // The curvature of the sampled colour sharpens the green, limited to the range of the neighbouring greens:
-  // beside a clipped region it would ring otherwise.
-  const float green = std::clamp((green_before + green_after) / 2 + bend / 4,
-                                 std::min(green_before, green_after), std::max(green_before, green_after));
-  return {std::abs(green_before - green_after) + std::abs(bend), green};
-}
-
-// Green where the mosaic has none, interpolated along the line with the smaller gradient.
-void fill_green(const Image<std::uint16_t>& mosaic, RedAt red, float* green) {
-  const int rows = mosaic.rows(), cols = mosaic.cols();
-  for (int y = 0; y < rows; ++y) {
-    const auto row = [&](int dy) { return mosaic.row(0, mirrored(y + dy, rows)); };
-    const std::uint16_t* const near[5] = {row(-2), row(-1), row(0), row(1), row(2)};
-    float* out = green + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols);
-    for (int x = 0; x < cols; ++x) {
-      const float own = near[2][x];
-      if (((x ^ red.x) & 1) != ((y ^ red.y) & 1)) {
-        out[x] = own;
-        continue;
-      }
-      const int a = mirrored(x - 2, cols), b = mirrored(x - 1, cols), d = mirrored(x + 1, cols),
-                e = mirrored(x + 2, cols);
-      const Line across = along(near[2][a], near[2][b], own, near[2][d], near[2][e]);
-      const Line down = along(near[0][x], near[1][x], own, near[3][x], near[4][x]);
-      out[x] = across.gradient < down.gradient   ? across.green
-               : down.gradient < across.gradient ? down.green
-                                                 : (across.green + down.green) / 2;
-    }
-  }
-}
-
-// The differences of one colour to green where the mosaic has that colour: smooth, as colours change less
-// than light.
-class Difference {
- public:
-  Difference(const Image<std::uint16_t>& mosaic, const Image<float>& rgb) : mosaic_(mosaic), rgb_(rgb) {}
-  float at(int y, int x) const {
-    const int v = mirrored(y, mosaic_.rows()), u = mirrored(x, mosaic_.cols());
-    return static_cast<float>(mosaic_.at(0, v, u)) - rgb_.at(1, v, u);
-  }
-
- private:
-  const Image<std::uint16_t>& mosaic_;
-  const Image<float>& rgb_;
-};
-
-// channel: 0 or 2; (sy, sx): the parity of the pixels that have it.
-void fill_colour(const Image<std::uint16_t>& mosaic, int channel, int sy, int sx, Image<float>& rgb) {
-  const Difference difference(mosaic, rgb);
-  for (int y = 0; y < mosaic.rows(); ++y) {
-    const float* green = rgb.row(1, y);
-    float* out = rgb.row(channel, y);
-    const bool own_row = (y & 1) == sy;
-    for (int x = 0; x < mosaic.cols(); ++x) {
-      const bool own_col = (x & 1) == sx;
-      if (own_row && own_col) {
-        out[x] = static_cast<float>(mosaic.at(0, y, x));
-      } else if (own_row) {
-        out[x] = green[x] + (difference.at(y, x - 1) + difference.at(y, x + 1)) / 2;
-      } else if (own_col) {
-        out[x] = green[x] + (difference.at(y - 1, x) + difference.at(y + 1, x)) / 2;
-      } else {  // of the two diagonals, the one along which the difference changes less
-        const float a = difference.at(y - 1, x - 1), b = difference.at(y + 1, x + 1),
-                    c = difference.at(y - 1, x + 1), d = difference.at(y + 1, x - 1);
-        const float falling = std::abs(a - b), rising = std::abs(c - d);
-        out[x] = green[x] + (falling < rising   ? (a + b) / 2
-                             : rising < falling ? (c + d) / 2
-                                                : (a + b + c + d) / 4);
-      }
-    }
-  }
-}
-
 }  // namespace
 
-void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb) {
+void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb,
+              float scale) {
   const int rows = mosaic.rows(), cols = mosaic.cols();
   HDRCAM_CHECK_LE(2, std::min(rows, cols));
   const RedAt red = red_at(layout);
-  rgb.reshape(3, mosaic.rows(), mosaic.cols());
-  fill_green(mosaic, red, rgb.plane(1));
-  fill_colour(mosaic, 0, red.y, red.x, rgb);
-  fill_colour(mosaic, 2, 1 - red.y, 1 - red.x, rgb);
-  for (float& code : rgb.samples()) code = std::clamp(code, 0.f, max_code);
+  const DemosaicKernels& kernels = demosaic_kernels();
+  rgb.reshape(3, rows, cols);
+  const auto mosaic_row = [&](int y) { return mosaic.row(0, mirrored(y, rows)); };
+  const auto fill_green = [&](int y) {
+    kernels.green({.mosaic = {mosaic_row(y - 2), mosaic_row(y - 1), mosaic_row(y), mosaic_row(y + 1),
+                              mosaic_row(y + 2)},
+                   .lacking = (y & 1) == red.y ? red.x : 1 - red.x,
+                   .green = rgb.row(1, y)},
+                  cols);
+  };
+  const auto green_row = [&](int y) -> const float* { return rgb.row(1, mirrored(y, rows)); };
+  const auto fill_colour = [&](int channel, int y) {
+    const bool is_red = channel == 0;
+    kernels.colour({.mosaic = {mosaic_row(y - 1), mosaic_row(y), mosaic_row(y + 1)},
+                    .green = {green_row(y - 1), green_row(y), green_row(y + 1)},
+                    .is_in_row = ((y & 1) == red.y) == is_red,
+                    .having = is_red ? red.x : 1 - red.x,
+                    .most = max_code,
+                    .scale = scale,
+                    .out = rgb.row(channel, y)},
+                   cols);
+  };
+  const auto finish_green = [&](int y) {
+    for (float& code : std::span(rgb.row(1, y), static_cast<std::size_t>(cols)))
+      code = std::clamp(code, 0.f, max_code) * scale;
+  };
+  // a row behind the other, so that rows between are still in the cache
+  fill_green(0);
+  for (int y = 0; y < rows; ++y) {
+    if (y + 1 < rows) fill_green(y + 1);
+    fill_colour(0, y), fill_colour(2, y);
+    if (y > 0) finish_green(y - 1);
+  }
+  finish_green(rows - 1);
 }
 
 }  // namespace hdrcam

@@ -16,8 +16,9 @@ constexpr bool is_bayer(PixelLayout layout) {
 }
 
 // mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the
-// same codes, clipped to 0 .. max_code. The mosaic is mirrored at the border, which keeps its colour
-// phase.
-void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb);
+// same codes, clipped to 0 .. max_code, times `scale`. The mosaic is mirrored at the border, which keeps its
+// colour phase.
+void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb,
+              float scale = 1);
 
 }  // namespace hdrcam

@@ -28,8 +28,7 @@ Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
 
   const float scale = code_scale(settings.bits);
   if (is_bayer(settings.layout)) {
-    demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes);
-    for (float& code : frame.codes.samples()) code *= scale;
+    demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes, scale);
     return {};
   }
   const int channels = raw.codes.channels();

@@ -46,6 +46,7 @@ void add_rows(KernelTasks& tasks, std::string name, int rows, int cols, double f
 }
 
 // rows, cols: of the pictures. Each appends its kernels.
+void add_capture(KernelTasks& tasks, int rows, int cols);    // raw codes become colours
 void add_pictures(KernelTasks& tasks, int rows, int cols);   // warps, windows, blur
 void add_state(KernelTasks& tasks, int rows, int cols);      // the steps of the fusion
 void add_shrinkage(KernelTasks& tasks, int rows, int cols);  // of what is emitted

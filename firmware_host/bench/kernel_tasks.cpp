@@ -6,6 +6,7 @@ namespace hdrcam {
 
 std::vector<KernelTask> kernel_tasks(int rows, int cols) {
   KernelTasks tasks;
+  add_capture(tasks, rows, cols);
   add_motion(tasks, rows, cols);
   add_state(tasks, rows, cols);
   add_pictures(tasks, rows, cols);

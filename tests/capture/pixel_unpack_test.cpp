@@ -5,6 +5,7 @@
 
 #include "capture/demosaic.h"
 #include "capture/to_exposed_frame.h"
+#include "tests/capture/plain_demosaic.h"
 
 namespace hdrcam {
 namespace {
@@ -192,6 +193,28 @@ TEST_CASE("demosaicing keeps what is constant or linear, in every layout", "[cap
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < 16; ++i) CHECK(rgb.plane(c)[i] == Approx(100 + 300 * c));
   }
+}
+
+TEST_CASE("demosaicing is the same as pixel by pixel, in every layout and at every border",
+          "[capture][isa]") {
+  constexpr struct {
+    int rows, cols;
+  } kSizes[] = {{2, 2}, {2, 3}, {3, 2}, {5, 63}, {6, 64}, {7, 65}, {4, 66}, {9, 67}, {4, 130}, {33, 191}};
+  std::mt19937 random(5);
+  for (const auto [rows, cols] : kSizes)
+    for (const PixelLayout layout : kBayer) {
+      INFO(rows << "x" << cols << ", layout " << static_cast<int>(layout));
+      const auto mosaic =
+          mosaic_of(layout, rows, cols, [&](int, int, int) { return static_cast<int>(random() & 0xffff); });
+      const bool red_right = layout == PixelLayout::BayerGrbg || layout == PixelLayout::BayerBggr,
+                 red_low = layout == PixelLayout::BayerGbrg || layout == PixelLayout::BayerBggr;
+      Image<float> plain, found;
+      test::plain_demosaic(mosaic, {.x = red_right, .y = red_low}, 60000, plain);
+      demosaic(mosaic, layout, 60000, found, 0.5f);
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < plain.size(); ++i) wrong += found.plane(0)[i] != 0.5f * plain.plane(0)[i];
+      CHECK(wrong == 0);
+    }
 }
 
 TEST_CASE("the border of something clipped neither rings nor takes on colour", "[capture]") {
