@@ -17,7 +17,7 @@ constexpr float kMinStep = 2e-6f;  // of x from one code to the next: strictly m
 Response::Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty)
     : inverse_(inverse), uncertainty_(uncertainty) {
   for (auto& x : inverse_) {
-    x[0] = std::max(x[0], 0.4f * x[1]);
+    x[0] = std::max({x[0], 0.4f * x[1], 0.f});
     for (std::size_t z = 1; z < kCodes; ++z) x[z] = std::max(x[z], x[z - 1] + kMinStep);
     const float scale = 1 / x[kCodes - 1];
     for (float& value : x) value *= scale;

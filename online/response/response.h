@@ -14,9 +14,8 @@ class Response {
   static constexpr int kCodes = 256;
   using Curve = std::array<float, kCodes>;
 
-  // inverse: [rgb][code] relative exposure. It is made monotone and scaled to x(255) = 1; code 0
-  // means "below x(1)", never 0. uncertainty: [rgb][code] one sigma of ln x; none where the curve is
-  // known.
+  // inverse: [rgb][code] relative exposure. It is made monotone, not below 0, and scaled to x(255) = 1; code
+  // 0 means "below x(1)", never 0. uncertainty: [rgb][code] one sigma of ln x; none where the curve is known.
   explicit Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty = {});
   // Of the curves that another one has, unchanged.
   static Response of_curves(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty);

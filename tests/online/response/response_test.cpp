@@ -56,6 +56,18 @@ TEST_CASE("a response is strictly monotone and inverts itself") {
   }
 }
 
+TEST_CASE("a stated response that is below 0 near black is above it") {
+  Response::Curve stated;
+  for (std::size_t z = 0; z < stated.size(); ++z) stated[z] = (static_cast<float>(z) - 12) / 243;
+  const Response response({stated, stated, stated});
+  CHECK(response.inverse(1)[0] >= 0);
+  for (std::size_t z = 1; z < stated.size(); ++z) {
+    REQUIRE(response.inverse(1)[z] > response.inverse(1)[z - 1]);
+    REQUIRE(std::isfinite(std::log(response.inverse(1)[z])));
+  }
+  CHECK(response.exposure_of(1, 133.5f) == Approx(0.5));
+}
+
 TEST_CASE("the response is found from six frames of an unknown camera") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
