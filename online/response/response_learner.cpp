@@ -25,7 +25,8 @@ void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* b
 
 ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, const NoiseModel& noise,
                                         WorkerPool& pool) {
-  if (estimator_.pairs() == 0) look(frames, SceneCuts::None);  // not every pair of frames spans a cut
+  // not every pair of frames spans a cut; but where only exposures are learned, the stated ones are better
+  if (estimator_.pairs() == 0 && !options_.known) look(frames, SceneCuts::None);
   frames_ = look_at_ = static_cast<long>(frames.size());
   if (options_.known) {
     measured_ = true;

@@ -6,6 +6,7 @@
 #include "capture/to_exposed_frame.h"
 #include "online/response/histogram_matches.h"
 #include "online/response/response_estimator.h"
+#include "online/response/response_learner.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -154,6 +155,25 @@ TEST_CASE("under a known response exposures are found as they are, and the noise
     CHECK(off(1) - off(0) == Approx(0).margin(0.02));  // even where all would be a power
     CHECK(off(2) - off(1) == Approx(true_stops).margin(0.02));
   }
+}
+
+TEST_CASE("under a known response two scenes on either side of a cut say nothing of their exposures") {
+  const test::MovingScene scene;
+  const Response known = Response::gamma(scene.gamma);
+  auto frames = exposed(scene, 2);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < scene.rows; ++y)
+      for (int x = 0; x < scene.cols; ++x)
+        frames[1].codes.at(c, y, x) =
+            220 + 20 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
+  REQUIRE_FALSE(ResponseEstimator().add_pair(frames[0], frames[1]));
+  ResponseLearner learner({.known = known});
+  const std::array<CompactFrame, 2> seen = {CompactFrame(frames[0], 8), CompactFrame(frames[1], 8)};
+  learner.see_first(frames[0], nullptr);
+  learner.see_first(frames[1], &seen[0]);
+  WorkerPool pool(1);
+  const ResponseEstimate found = learner.first(seen, {}, pool);
+  for (const ExposedFrame& frame : frames) CHECK(found.exposures.corrected(frame.exposure) == frame.exposure);
 }
 
 TEST_CASE("what an exposure is off counts for all frames of it, however its reported times jitter") {
