@@ -35,9 +35,11 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
 void SensorModel::meet(const ExposedFrame& frame) {
   constexpr std::size_t kMaxTables = 32;
   if (tables_.size() > kMaxTables) tables_.clear();
-  if (reference_gain_ == 0) reference_gain_ = frame.facts.gain();
+  if (reference_gain_ == 0) {
+    reference_gain_ = frame.facts.gain();
+    if (response_stated_) black_level_ = frame.facts.black_level.value_or(BlackLevel());  // as it was removed
+  }
   if (blur_kind_ == BlurKind::Shown) shown_blur_.observe_exposure(frame);
-  if (!known_ && response_stated_) black_level_ = frame.facts.black_level.value_or(BlackLevel());
 }
 
 void SensorModel::learn_first(std::span<const CompactFrame> frames) {

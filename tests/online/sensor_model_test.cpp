@@ -73,6 +73,21 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
   CHECK(stream.online().sensor().noise().full_well < 2000);
 }
 
+TEST_CASE("under a known response the black level is the first frame's, which is removed of all") {
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  const Knobs options = state_alone();
+  OnlineStage online(options, scene.camera(), Response::gamma(scene.gamma), pool);
+  ExposedStream exposed(scene.camera(), options.bootstrap_frames, StatedBlack::Removed);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 8; ++i) {
+    RawFrame raw = scene.frame(i);
+    raw.facts.black_level = BlackLevel(i == 0 ? 4 : 16);
+    REQUIRE(exposed.take(raw, [&](ExposedFrame& frame) { return online.ingest(frame, {}, ignore); }).ok());
+  }
+  CHECK(online.sensor().black_level() == BlackLevel(4));
+}
+
 TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
   test::MovingScene scene;
   scene.rows = 72, scene.cols = 96;
