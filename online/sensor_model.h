@@ -82,8 +82,10 @@ class SensorModel {
   const NoiseModel& noise() const { return noise_; }  // at reference_gain()
   NoiseOrigin noise_origin() const { return noise_origin_; }
   double reference_gain() const { return reference_gain_; }  // of the first frame
-  // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
+  // The share of the local contrast that the camera's own processing leaves as error (texture_error.h); where
+  // its codes are a mosaic at least what interpolating that leaves.
   float texture_error() const { return texture_error_->share(); }
+  float texture_error_of_mosaic() const { return texture_error_of_mosaic_; }  // 0: there is none
   // Whether frames show the motion blur that their exposure times state (shown_blur.h).
   bool blur_shown() const { return shown_blur_.shown(); }
 

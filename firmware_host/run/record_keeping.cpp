@@ -91,9 +91,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));
   if (const float share = sensor.texture_error(); share > 0)
-    record.notes.push_back(
-        fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
-                    100 * share));
+    record.notes.push_back(fmt::format(
+        "{}: a sample's variance has {:.0f} % of the local contrast",
+        share > sensor.texture_error_of_mosaic() ? "the camera processes textures" : "colours of a mosaic",
+        100 * share));
   if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "

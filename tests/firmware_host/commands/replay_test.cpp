@@ -84,6 +84,20 @@ TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the 
   CHECK(ran_here(strict, disk).exit_code == exit_code_of(ErrorCode::Corrupt));
 }
 
+TEST_CASE("what interpolating a mosaic leaves in textures is not called the camera's processing") {
+  const std::string folder = sample::scratch_folder("replay_mosaic"), path = folder + "/still.mkv";
+  REQUIRE(ran_here({"simulate", "still?size=64x48", "-o", path, "--frames", "6", "--format", "bayer"})
+              .exit_code == 0);
+  REQUIRE(ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"})
+              .exit_code == 0);
+  const auto stats = nlohmann::json::parse(read_whole(posix_storage(), folder + "/stats.json").value());
+  const std::string notes = stats["notes"].dump();
+  INFO(notes);
+  CHECK(notes.find("colours of a mosaic: a sample's variance has 2 % of the local contrast") !=
+        std::string::npos);
+  CHECK(notes.find("the camera processes textures") == std::string::npos);
+}
+
 TEST_CASE("the command in the report is the whole command, as a shell takes it") {
   const std::string folder = sample::scratch_folder("replay it's");
   const std::string path = write_clip(folder, 7), stats = folder + "/stats.json";
