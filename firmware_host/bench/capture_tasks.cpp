@@ -1,7 +1,8 @@
+#include "firmware_host/bench/kernel_task_groups.h"
+
 #include <memory>
 
 #include "capture/demosaic.h"
-#include "firmware_host/bench/kernel_task_groups.h"
 
 namespace hdrcam {
 
