@@ -51,6 +51,16 @@ std::vector<std::string> files_in(const std::string& folder, const std::string& 
   return names;
 }
 
+// Of a replay of six frames that a camera writes as they are, behind a mosaic.
+nlohmann::json stats_of_raw(const std::string& name) {
+  const std::string folder = sample::scratch_folder(name), path = folder + "/still.mkv";
+  REQUIRE(ran_here({"simulate", "still?size=64x48", "-o", path, "--frames", "6", "--format", "bayer"})
+              .exit_code == 0);
+  REQUIRE(ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"})
+              .exit_code == 0);
+  return nlohmann::json::parse(read_whole(posix_storage(), folder + "/stats.json").value());
+}
+
 }  // namespace
 
 TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the ledger adds up") {
@@ -85,17 +95,19 @@ TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the 
 }
 
 TEST_CASE("what interpolating a mosaic leaves in textures is not called the camera's processing") {
-  const std::string folder = sample::scratch_folder("replay_mosaic"), path = folder + "/still.mkv";
-  REQUIRE(ran_here({"simulate", "still?size=64x48", "-o", path, "--frames", "6", "--format", "bayer"})
-              .exit_code == 0);
-  REQUIRE(ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"})
-              .exit_code == 0);
-  const auto stats = nlohmann::json::parse(read_whole(posix_storage(), folder + "/stats.json").value());
-  const std::string notes = stats["notes"].dump();
+  const std::string notes = stats_of_raw("replay_mosaic")["notes"].dump();
   INFO(notes);
   CHECK(notes.find("colours of a mosaic: a sample's variance has 2 % of the local contrast") !=
         std::string::npos);
   CHECK(notes.find("the camera processes textures") == std::string::npos);
+}
+
+TEST_CASE("the response of a raw recording is told as its camera's: linear") {
+  const nlohmann::json response = stats_of_raw("replay_raw_response")["response"];
+  REQUIRE(response.size() == 3);
+  for (const nlohmann::json& channel : response)
+    for (const std::size_t code : {8, 64, 128, 255})
+      CHECK(channel[code].get<double>() == Approx(static_cast<double>(code) / 255));
 }
 
 TEST_CASE("the command in the report is the whole command, as a shell takes it") {
