@@ -14,8 +14,7 @@ Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_fo
                                     const std::string& folder, WorkerPool& pool) {
   NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", pool);
   for (int frame = 0; frame < views.truth_.frames(); ++frame)
-    if (views.truth_.novel_camera(frame))
-      views.frames_.emplace(static_cast<std::uint64_t>(views.truth_.number(frame)), frame);
+    if (views.truth_.novel_camera(frame)) views.frames_.emplace(views.truth_.number(frame), frame);
   return views;
 }
 

@@ -11,10 +11,9 @@
 namespace hdrcam {
 namespace {
 
-std::optional<int> frame_number(const std::filesystem::path& file) {
+std::optional<std::uint64_t> frame_number(const std::filesystem::path& file) {
   if (file.extension() != ".exr") return std::nullopt;
-  const auto number = parse_number<int>(file.stem().string());
-  return number && *number >= 0 ? number : std::nullopt;
+  return parse_number<std::uint64_t>(file.stem().string());
 }
 
 // The two planes of a flow [dx dy, rows, cols], empty where the picture lacks one of them.
@@ -54,7 +53,7 @@ Result<Estimates> Estimates::open(Storage& storage, const std::string& folder,
   return estimates;
 }
 
-Result<Estimate> Estimates::read(int frame, int rows, int cols) const {
+Result<Estimate> Estimates::read(std::uint64_t frame, int rows, int cols) const {
   const std::string& path = paths_.at(frame);
   const ExrImage picture = TRY(read_exr(*storage_, path));
   Estimate estimate;

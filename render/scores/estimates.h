@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -29,15 +30,15 @@ class Estimates {
   static Result<Estimates> open(Storage& storage, const std::string& folder,
                                 const std::function<bool(const std::string& path)>& is_scored = {});
 
-  bool contains(int frame) const { return paths_.contains(frame); }
+  bool contains(std::uint64_t frame) const { return paths_.contains(frame); }
   // Errors: those of read_exr and rgb_of; SizeChanged.
-  Result<Estimate> read(int frame, int rows, int cols) const;
+  Result<Estimate> read(std::uint64_t frame, int rows, int cols) const;
 
  private:
   explicit Estimates(Storage& storage) : storage_(&storage) {}
 
   Storage* storage_;
-  std::map<int, std::string> paths_;  // by frame
+  std::map<std::uint64_t, std::string> paths_;  // by frame
 };
 
 }  // namespace hdrcam

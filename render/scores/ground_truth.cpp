@@ -67,7 +67,11 @@ Result<void> GroundTruth::read_facts() {
   try {
     cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
     for (const auto& frame : clip.value().at("frames")) {
-      numbers_.push_back(frame.value("sequence", frames()));
+      if (const auto stated = frame.find("sequence"); stated != frame.end() && stated->get<double>() < 0)
+        return Error{ErrorCode::Corrupt,
+                     fmt::format("frame {} of '{}' states sequence {}; it must be 0 or above", frames(),
+                                 clip_path, stated->dump())};
+      numbers_.push_back(frame.value("sequence", static_cast<std::uint64_t>(frames())));
       (void)frame.at("exposure_s");  // gains may be left out
       double exposure = 1;
       for (const char* factor : {"exposure_s", "gain", "digital_gain"}) {

@@ -44,7 +44,7 @@ class GroundTruth {
   double exposure(int frame) const { return exposures_[static_cast<std::size_t>(frame)]; }
   // The number of its HDR frame: the sensor's counter where the clip states it (a gap is a dropped frame),
   // otherwise the frame's position in the clip.
-  int number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
+  std::uint64_t number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
   double shortest_saturation() const { return shortest_saturation_; }
 
   // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional
@@ -67,7 +67,7 @@ class GroundTruth {
   std::string folder_;
   int rows_ = 0, cols_ = 0;
   std::vector<double> exposures_;
-  std::vector<int> numbers_;
+  std::vector<std::uint64_t> numbers_;
   std::vector<std::optional<PosePair>> novel_cameras_;  // of each frame
   double shortest_saturation_ = 0;
   std::array<bool, 256> moving_ids_{};

@@ -62,7 +62,7 @@ class ClipScoring {
  private:
   Result<void> choose_frames() {
     for (int i = options_.skip; i < truth_.frames() - options_.skip; ++i)
-      if (const int number = truth_.number(i); estimates_.contains(number))
+      if (const std::uint64_t number = truth_.number(i); estimates_.contains(number))
         frames_.push_back(i);
       else
         scores_.missing.push_back(number);

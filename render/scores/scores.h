@@ -10,6 +10,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ struct ScoreOptions {
 };
 
 struct FrameScores {
-  int frame = 0;  // its number (GroundTruth::number)
+  std::uint64_t frame = 0;  // its number (GroundTruth::number)
   PictureScores picture;
   std::optional<double> flicker_stops;  // to the previous frame; none where that or the motion is missing
 };
@@ -51,7 +52,8 @@ struct ClipScores {
   std::optional<double> field_flow_moving_epe_px;  // of that, on what moves in the world
   std::optional<double> novel_psnr_mu_db;  // of the views from other cameras, where OUT/novel has them
   std::vector<FrameScores> frames;
-  std::vector<int> missing;  // numbers of the clip's frames, except skipped ones, without an estimate
+  // Numbers of the clip's frames, except skipped ones, without an estimate.
+  std::vector<std::uint64_t> missing;
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for

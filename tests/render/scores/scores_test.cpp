@@ -138,10 +138,34 @@ TEST_CASE("a frame without an estimate is reported and left out, and flicker nev
   std::filesystem::remove(clip / "out/0003.exr");
   std::filesystem::remove(clip / "out/0000.exr");  // skipped anyway
   const ClipScores scores = scores_of(clip);
-  REQUIRE(scores.missing == std::vector<int>{3});
+  REQUIRE(scores.missing == std::vector<std::uint64_t>{3});
   REQUIRE(scores.frames.size() == 5);
   for (const FrameScores& scored : scores.frames)
     REQUIRE(scored.flicker_stops.has_value() == (scored.frame != 1 && scored.frame != 4));
+}
+
+TEST_CASE("frames whose numbers need more than 32 bits are scored, and a number below 0 is refused") {
+  TemporaryFolder clip;
+  synthetic_clip::write_clip(clip.path());
+  REQUIRE(posix_storage().make_directories(clip / "out").ok());
+  auto json = nlohmann::json::parse(read_whole(posix_storage(), clip / "clip.json").value());
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    const std::uint64_t number = 3'000'000'000 + i;
+    json["frames"][i]["sequence"] = number;
+    synthetic_clip::write_estimate(clip / fmt::format("out/{}.exr", number), static_cast<int>(i),
+                                   Geometry::Without);
+  }
+  std::ofstream(clip / "clip.json") << json;
+  const ClipScores scores = scores_of(clip);
+  REQUIRE(scores.frames.size() == 6);
+  CHECK(scores.missing.empty());
+  CHECK(scores.frames[0].frame == 3'000'000'001);
+
+  json["frames"][2]["sequence"] = -1;
+  std::ofstream(clip / "clip.json") << json;
+  const Error below = error_of(clip.path(), clip / "out");
+  CHECK(below.code == ErrorCode::Corrupt);
+  CHECK(mentions(below, "frame 2 of"));
 }
 
 TEST_CASE(
@@ -272,7 +296,7 @@ TEST_CASE("the scores as JSON hold every figure, null where nothing was measured
   REQUIRE(json.at("label") == "a \"label\"");
   REQUIRE(json.at("psnr_mu").get<double>() == scores.mean.psnr_mu_db);
   REQUIRE(json.at("flicker").get<double>() == *scores.flicker_stops);
-  REQUIRE(json.at("worst_frame").get<int>() == scores.worst.frame);
+  REQUIRE(json.at("worst_frame").get<std::uint64_t>() == scores.worst.frame);
   REQUIRE(json.at("depth_abs_rel").is_null());
   REQUIRE(json.at("per_frame").size() == 6);
   REQUIRE(json.at("per_frame").at(0).at("flicker").is_null());
