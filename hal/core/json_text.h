@@ -3,6 +3,7 @@
 // Reentrant.
 #pragma once
 
+#include <exception>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,14 @@ template <class Json>
 Json parsed_json(std::string_view text) {
   if (nests_too_deep(text)) return Json(Json::value_t::discarded);
   return Json::parse(text, nullptr, false);
+}
+
+// What is wrong, of an exception of the library: its message without its own number and position.
+inline std::string json_reason(const std::exception& e) {
+  const std::string_view what = e.what();
+  const auto column = what.find("column ");
+  const auto begin = column == std::string_view::npos ? what.find("] ") : what.find(": ", column);
+  return std::string(begin == std::string_view::npos ? what : what.substr(begin + 2));
 }
 
 // indent: blanks per level; -1: all on one line. Json: nlohmann::json, or ordered_json.

@@ -48,14 +48,6 @@ std::string_view non_number(const Json& value) {
   return word == kNonNumbers.end() ? "" : *word;
 }
 
-// The library's message without its own number and position.
-std::string reason_of(const Json::exception& e) {
-  const std::string_view what = e.what();
-  const auto column = what.find("column ");
-  const auto begin = column == std::string_view::npos ? what.find("] ") : what.find(": ", column);
-  return std::string(begin == std::string_view::npos ? what : what.substr(begin + 2));
-}
-
 Result<Json> parsed(std::string& text, const std::string& path) {
   if (nests_too_deep(text))
     return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} arrays and objects in each other; a "
@@ -68,9 +60,9 @@ Result<Json> parsed(std::string& text, const std::string& path) {
     const std::size_t byte = std::min(e.byte, text.size());
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
     return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON at line {}, byte {}: {}", path, lines + 1,
-                                                 byte, reason_of(e))};
+                                                 byte, json_reason(e))};
   } catch (const Json::exception& e) {
-    return Error{ErrorCode::Invalid, fmt::format("'{}' is not usable: {}", path, reason_of(e))};
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is not usable: {}", path, json_reason(e))};
   }
 }
 

@@ -95,7 +95,7 @@ Result<void> GroundTruth::read_facts() {
       if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;
   } catch (const nlohmann::json::exception& e) {
     return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' does not describe a clip with ground truth: {}", folder_, e.what())};
+                 fmt::format("'{}' does not describe a clip with ground truth: {}", folder_, json_reason(e))};
   }
   if (cols_ <= 0 || rows_ <= 0 || !(shortest_saturation_ > 0))
     return Error{ErrorCode::Corrupt,

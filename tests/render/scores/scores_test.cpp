@@ -281,7 +281,10 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
   }
   SECTION("a clip description that is none") {
     std::ofstream(clip / "clip.json") << R"({"width": 48})";
-    REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
+    const Error wrong = error_of(clip.path(), out);
+    REQUIRE(wrong.code == ErrorCode::Corrupt);
+    REQUIRE(mentions(wrong, "key 'height' not found"));
+    REQUIRE_FALSE(mentions(wrong, "json.exception"));
     std::ofstream(clip / "clip.json") << "frames";
     REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
   }
