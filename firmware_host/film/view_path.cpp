@@ -83,8 +83,11 @@ Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view t
     const std::vector<std::string> cells = cells_of(line);
     if (columns.empty()) {
       for (const std::string& name : cells) {
-        columns.push_back(column_of(name));
-        if (columns.back() == kColumns.size()) return unknown_column(where, name);
+        const std::size_t column = column_of(name);
+        if (column == kColumns.size()) return unknown_column(where, name);
+        if (std::ranges::find(columns, column) != columns.end())
+          return Error{ErrorCode::Invalid, fmt::format("{}: names {} twice; name it once", where, name)};
+        columns.push_back(column);
       }
       if (std::ranges::find(columns, 0U) == columns.end())
         return Error{
