@@ -121,8 +121,9 @@ Result<void> check_needs(const Settings& settings) {
         "name a file"};
   if (const std::string& address = settings.output.path("http"); !address.empty())
     TRY(parse_http_address(address));
-  for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
-    if (is_written(settings.output, sink)) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
+  const PicturePatterns patterns = patterns_of(settings.output.paths);
+  if (is_written(settings.output, "transforms")) TRY(pictures_of("--transforms", patterns));
+  if (is_written(settings.output, "colmap")) TRY(pictures_of_colmap(patterns));
   const std::string shown = settings.fit.emit == EmitLayer::Field
                                 ? "--emit field"
                                 : first_asked(settings.output, &MotionOrDepth::is_of_field);

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kMostPictures = 100'000;
 constexpr std::size_t kFramesWithPoints = 32;
+constexpr std::string_view kBlanks = " \t\n\v\f\r";
 
 std::optional<FramePattern> pattern_of(const std::string& text, std::string_view extension) {
   auto parsed = FramePattern::parse("", text, extension);
@@ -190,6 +191,18 @@ Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& p
                            flag)};
 }
 
+Result<FramePattern> pictures_of_colmap(const PicturePatterns& patterns) {
+  FramePattern pictures = TRY(pictures_of("--colmap", patterns));
+  for (const std::string_view part : {pictures.name_before(), pictures.name_after()})
+    if (part.find_first_of(kBlanks) != std::string_view::npos)
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("--colmap cannot name the pictures '{}': COLMAP splits the lines of images.txt at "
+                      "blanks; name them without, such as out/%06d.png",
+                      patterns.pictures)};
+  return pictures;
+}
+
 Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
                                                      const PicturePatterns& patterns) {
   auto pictures = TRY(pictures_of("--transforms", patterns));
@@ -200,7 +213,7 @@ Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std
 
 Result<std::unique_ptr<FrameSink>> create_colmap(Storage& storage, const std::string& model,
                                                  const PicturePatterns& patterns) {
-  auto pictures = TRY(pictures_of("--colmap", patterns));
+  auto pictures = TRY(pictures_of_colmap(patterns));
   TRY(storage.make_directories(model));
   return std::unique_ptr<FrameSink>(
       std::make_unique<ColmapModel>(storage, model, std::move(pictures), patterns));

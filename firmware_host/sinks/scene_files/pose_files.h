@@ -25,8 +25,12 @@ struct PicturePatterns {
 // The pictures that the poses of `flag` are of. Errors: Invalid where the run leaves none.
 Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& patterns);
 
-// path: of the file; model: of the folder. The storage outlives the sinks. Errors: Invalid where the run
-// leaves no pictures; those of the disk. emit() fails at a frame without a pose before any that has one, and
+// Those of --colmap: no blank may be in their names, at which images.txt is split. Errors: Invalid where one
+// is; those of pictures_of.
+Result<FramePattern> pictures_of_colmap(const PicturePatterns& patterns);
+
+// path: of the file; model: of the folder. The storage outlives the sinks. Errors: those of pictures_of and
+// pictures_of_colmap; those of the disk. emit() fails at a frame without a pose before any that has one, and
 // where a pose has no lens.
 Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
                                                      const PicturePatterns& patterns);

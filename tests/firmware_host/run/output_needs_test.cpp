@@ -72,6 +72,22 @@ TEST_CASE("frames of the field alone are refused where the field is left out, wh
   }
 }
 
+TEST_CASE(
+    "pictures whose names have blanks, at which COLMAP splits a line, are refused for its model alone") {
+  Settings settings;
+  settings.output.paths = {{"frames", "my walk/%06d.exr"}, {"colmap", "my walk/colmap"}};
+  CHECK(check_needs(settings).ok());  // the folder's name is not in the model
+  for (const char* frames : {"out/my walk %06d.exr", "out/%06d\tleft.exr"}) {
+    settings.output.paths = {{"frames", frames}, {"transforms", "out/transforms.json"}};
+    CHECK(check_needs(settings).ok());
+    settings.output.paths["colmap"] = "out/colmap";
+    const auto refused = check_needs(settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Invalid);
+    CHECK(refused.error().message.starts_with(std::string("--colmap cannot name the pictures '") + frames));
+  }
+}
+
 TEST_CASE("motion to the next frame is refused where the run does not wait for it, whoever says so") {
   Settings settings;
   settings.output.paths["flow_forward"] = "flow/%06d.flo";
