@@ -56,10 +56,16 @@ Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
 // In the order of their numbers.
 Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const std::string& text) {
   std::vector<NumberedFile> files;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(pattern.folder(), ignored))
-    if (const auto sequence = pattern.sequence_of(entry.path().filename().string()))
+  std::error_code failed;
+  for (std::filesystem::directory_iterator entry(pattern.folder(), failed), end; !failed && entry != end;
+       entry.increment(failed))
+    if (const auto sequence = pattern.sequence_of(entry->path().filename().string()))
       files.push_back({*sequence, pattern.path(*sequence)});
+  const bool none = failed == std::errc::no_such_file_or_directory || failed == std::errc::not_a_directory;
+  if (failed && !none)
+    return Error{ErrorCode::Permission,
+                 fmt::format("cannot read the folder '{}': {}", pattern.folder(), failed.message()),
+                 failed.value()};
   if (files.empty()) return Error{ErrorCode::NotFound, fmt::format("there are no frames '{}'", text)};
   std::ranges::sort(files, {}, &NumberedFile::sequence);
   return files;

@@ -16,13 +16,19 @@ EarlierFrames::EarlierFrames(Storage& storage, const std::string& pattern)
   const std::filesystem::path as_path(pattern);
   const auto parsed = FramePattern::parse("", pattern, as_path.extension().string());
   if (!parsed) return;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(parsed.value().folder(), ignored)) {
-    const std::filesystem::path name = entry.path().filename();
+  std::error_code failed;
+  std::filesystem::directory_iterator entry(parsed.value().folder(), failed);
+  for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
+    const std::filesystem::path name = entry->path().filename();
     if (!parsed.value().fits(name.string())) continue;
     const std::string path = (as_path.parent_path() / name).string();  // with the folder as it was given
     if (const auto facts = storage.look_at(path)) files_.push_back({path, facts.value()});
   }
+  const bool none = failed == std::errc::no_such_file_or_directory || failed == std::errc::not_a_directory;
+  if (failed && !none)
+    listed_ = Error{ErrorCode::Permission,
+                    fmt::format("cannot read the folder '{}': {}", parsed.value().folder(), failed.message()),
+                    failed.value()};
   std::ranges::sort(files_, {}, &File::path);
 }
 
@@ -40,6 +46,9 @@ bool EarlierFrames::remains(const std::string& path) const {
 }
 
 std::string EarlierFrames::warning() const {
+  if (!listed_)
+    return fmt::format("{}; whether files of an earlier run remain there is not known",
+                       listed_.error().message);
   std::vector<std::string> left;
   for (const File& file : files_)
     if (remains(file)) left.push_back(file.path);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/core/result.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -22,12 +23,15 @@ class EarlierFrames {
   // outlives this.
   EarlierFrames(Storage& storage, const std::string& pattern);
 
+  // Why the folder cannot be listed: which files are there is not known then. Missing, it has none.
+  const Result<void>& listed() const { return listed_; }
   std::size_t count() const { return files_.size(); }
   const std::string& first() const { return files_.front().path; }  // by name; there is one
 
   // Whether that file, of the pattern's folder, was there before the run and the run has not replaced it.
   bool remains(const std::string& path) const;
-  // After the run: a sentence about the files that it did not replace; "" where there are none.
+  // After the run: a sentence about the files that it did not replace, or that they are not known; "" where
+  // there are none.
   std::string warning() const;
 
  private:
@@ -39,6 +43,7 @@ class EarlierFrames {
 
   Storage& storage_;
   const std::string pattern_;
+  Result<void> listed_;
   std::vector<File> files_;  // by path
 };
 

@@ -89,7 +89,14 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
                                                 "with --force",
                                                 place.words, place.path)};
   if (!place.names) return {};
-  if (const EarlierFrames earlier(storage, place.path); earlier.count() > 0)
+  const EarlierFrames earlier(storage, place.path);
+  if (const Result<void>& listed = earlier.listed(); !listed)
+    return Error{
+        listed.error().code,
+        fmt::format("{} '{}' may replace earlier files: {}; make the folder readable, or name another",
+                    place.words, place.path, listed.error().message),
+        listed.error().sys_errno};
+  if (earlier.count() > 0)
     return Error{
         ErrorCode::Exists,
         fmt::format("{} '{}' would mix with {} earlier file(s), '{}' among them; name another folder, "

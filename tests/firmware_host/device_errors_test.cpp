@@ -16,7 +16,7 @@
 #include "tests/support/not_tested.h"
 #include "tests/support/ran_here.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/as_nobody.h"
 
 using namespace hdrcam;
 using Catch::Contains;
@@ -65,17 +65,6 @@ class ClosedNode {
   std::string path_;
 };
 
-// Root opens everything: for as long as this lives, it is nobody.
-class AsNobody {
- public:
-  AsNobody() { REQUIRE((user_ != 0 || ::seteuid(kNobody) == 0)); }
-  ~AsNobody() { (void)!::seteuid(user_); }
-
- private:
-  static constexpr uid_t kNobody = 65534;
-  uid_t user_ = ::geteuid();
-};
-
 }  // namespace
 
 TEST_CASE("list says of every kind of device that there is none, and what to do") {
@@ -117,7 +106,7 @@ TEST_CASE("a camera that may not be opened says how to get permission") {
   constexpr gid_t kNoGroup = 65534;
   const auto refused = [](mode_t mode) {
     const ClosedNode node(mode, kNoGroup);
-    const AsNobody nobody;
+    const test::AsNobody nobody;
     return sentence({"live", "--camera", node.path()}, ErrorCode::Permission);
   };
   CHECK_THAT(refused(0), Contains("no permission for '/dev/shm/") && Contains("udev rule"));

@@ -15,7 +15,7 @@
 #include "tests/support/decoded_video.h"
 #include "tests/support/ran_here.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/as_nobody.h"
 
 using namespace hdrcam;
 using Catch::Contains;
@@ -175,6 +175,19 @@ TEST_CASE("a pixel of infinite light is as bright as can be, one that is no numb
   CHECK(luma(0) > 600);
   CHECK((luma(1) == luma(4) && luma(2) == luma(4)));
   CHECK(luma(4) < 100);
+}
+
+TEST_CASE("encode does not call a folder that it may not list one without frames") {
+  const std::string folder = sample::scratch_folder("encode_closed");
+  write_grey(folder + "/000000.exr", Image<float>(1, 16, 16));
+  std::filesystem::permissions(folder, std::filesystem::perms(0333));
+  {
+    const test::AsNobody nobody;
+    const RanHere refused = ran_here({"encode", folder + "/%06d.exr", "-o", folder + "/x.mp4"});
+    CHECK(refused.exit_code == exit_code_of(ErrorCode::Permission));
+    CHECK_THAT(refused.err, Contains("cannot read the folder '" + folder + "'"));
+  }
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
 }
 
 TEST_CASE("encode says what is missing") {

@@ -5,7 +5,7 @@
 
 #include "tests/hal/recording/sample_recordings.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/as_nobody.h"
 
 using namespace hdrcam;
 using Catch::Contains;
@@ -36,6 +36,24 @@ TEST_CASE("where there is no folder, or no pattern of frames, there are no earli
     CHECK(earlier.count() == 0);
     CHECK(earlier.warning().empty());
   }
+}
+
+TEST_CASE("what is in a folder that may be written to but not listed is not known, and the warning says so") {
+  const std::string folder = sample::scratch_folder("earlier_frames_closed");
+  put(folder + "/000001.exr");
+  fs::permissions(folder, fs::perms(0333));
+  {
+    const test::AsNobody nobody;
+    const EarlierFrames earlier(posix_storage(), folder + "/%06d.exr");
+    REQUIRE_FALSE(earlier.listed().ok());
+    CHECK(earlier.listed().error().code == ErrorCode::Permission);
+    CHECK_THAT(earlier.warning(), Contains("cannot read the folder '" + folder + "'") &&
+                                      Contains("earlier run remain there is not known"));
+  }
+  fs::permissions(folder, fs::perms::owner_all);
+  CHECK(EarlierFrames(posix_storage(), folder + "/%06d.exr").listed().ok());
+  CHECK(EarlierFrames(posix_storage(), folder + "/none/%06d.exr").listed().ok());
+  CHECK(EarlierFrames(posix_storage(), folder + "/000001.exr/%06d.exr").listed().ok());
 }
 
 TEST_CASE("files that the run replaced or that are gone are no remains, the others are named") {

@@ -7,6 +7,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/contracts/expect.h"
+#include "tests/support/as_nobody.h"
 
 namespace hdrcam {
 namespace {
@@ -155,6 +156,21 @@ TEST_CASE("an earlier recording is replaced with --force only") {
   CHECK(checked.error().message.find("--force") != std::string::npos);
   require_done(desk.check(outputs, Overwrite::Force));
   require_done(desk.check({{"--output", "take2.mkv", OutputKind::Recording}}));
+}
+
+TEST_CASE("frames go into a folder that cannot be listed with --force only") {
+  const Desk desk("guard_closed");
+  desk.put("kept/000001.exr");
+  fs::permissions(desk.folder + "/kept", fs::perms(0333));
+  {
+    const test::AsNobody nobody;
+    const std::vector<NamedOutput> outputs{{"--output", "kept/%06d.exr", OutputKind::Frames, ".exr"}};
+    const Result<void> checked = desk.check(outputs);
+    require_error(checked, ErrorCode::Permission);
+    CHECK(checked.error().message.find("may replace earlier files") != std::string::npos);
+    require_done(desk.check(outputs, Overwrite::Force));
+  }
+  fs::permissions(desk.folder + "/kept", fs::perms::owner_all);
 }
 
 TEST_CASE("frames do not mix with those of an earlier run unless --force says so") {
