@@ -11,12 +11,17 @@ namespace hdrcam {
 namespace {
 
 constexpr int kMaxDigits = 19;  // of a 64-bit sequence number
-constexpr std::string_view kTakesVideos = "--output";
+constexpr std::string_view kTakesVideos = "--output", kNumbersRecordings = "--http-record";
+
+// What the files of a flag are of.
+std::string_view content_of(std::string_view flag) {
+  return flag == kNumbersRecordings ? "recording" : "frame";
+}
 
 Error refused(std::string_view flag, std::string_view text, std::string_view why,
               std::string_view extension) {
-  return {ErrorCode::Invalid,
-          fmt::format("{} '{}' {}; write it as 'out/%06d{}'", flag, text, why, extension)};
+  return {ErrorCode::Invalid, fmt::format("{} '{}' {}; write it as '{}{}'", flag, text, why,
+                                          flag == kNumbersRecordings ? "takes/%03d" : "out/%06d", extension)};
 }
 
 // Any other '%' of a folder's name is a character like others.
@@ -34,10 +39,12 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
                                          std::string_view extension) {
   const std::size_t slash = text.rfind('/'), begin = slash == std::string_view::npos ? 0 : slash + 1;
   if (holds_number(text.substr(0, begin)))
-    return refused(flag, text, "has the frame number in a folder's name", extension);
+    return refused(flag, text, fmt::format("has the {} number in a folder's name", content_of(flag)),
+                   extension);
   const auto percents = std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), '%');
   if (percents == 0) {
-    Error one_file = refused(flag, text, "would put every frame into one file", extension);
+    Error one_file =
+        refused(flag, text, fmt::format("would put every {} into one file", content_of(flag)), extension);
     if (flag == kTakesVideos) one_file.message += ", or name a video: out.mp4, out.mov or out.mkv";
     return one_file;
   }
@@ -50,7 +57,8 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
   const std::string_view width = text.substr(percent + 1, end - percent - 1);
   if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 ||
       width[0] != '0')
-    return refused(flag, text, "has a '%' that is not a frame number like '%06d'", extension);
+    return refused(flag, text, fmt::format("has a '%' that is not a {} number like '%06d'", content_of(flag)),
+                   extension);
   int digits = 0;
   for (const char digit : width) digits = digits * 10 + (digit - '0');
   if (digits < 1 || digits > kMaxDigits)

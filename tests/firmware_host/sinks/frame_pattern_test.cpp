@@ -81,3 +81,13 @@ TEST_CASE("a single file for all frames leads to the videos, where the output ma
   CHECK_THAT(message("--output", "v.avi", ".exr"), Contains("out.mp4, out.mov or out.mkv"));
   CHECK_THAT(message("--preview", "v.avi", ".png"), !Contains("out.mp4"));
 }
+
+TEST_CASE("a pattern of recordings that is refused is said to be one, not one of frames") {
+  for (const char* text : {"takes/take.mkv", "takes/%03d/take.mkv", "takes/%s.mkv"}) {
+    INFO(text);
+    const auto pattern = FramePattern::parse("--http-record", text, ".mkv");
+    REQUIRE_FALSE(pattern.ok());
+    CHECK_THAT(pattern.error().message,
+               Contains("recording") && !Contains("frame") && Contains("write it as 'takes/%03d.mkv'"));
+  }
+}
