@@ -59,8 +59,7 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
         outputs.push_back({"the list beside --output", FrameLedger::path_beside(pattern.value())});
   }
   if (!sinks.empty())
-    outputs.push_back(
-        {"--snapshot", settings.output.path(Settings::Output::kSnapshot), OutputKind::Recording});
+    outputs.push_back({"--snapshot", settings.output.path(Settings::Output::kSnapshot), OutputKind::Scene});
   outputs.push_back({"--trace", settings.machine.trace});
   return outputs;
 }

@@ -83,7 +83,8 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
 }
 
 Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind kind) {
-  const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Document;
+  const bool is_kept =
+      kind == OutputKind::Recording || kind == OutputKind::Scene || kind == OutputKind::Document;
   if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another file, or replace it "
                                                 "with --force",
@@ -111,14 +112,15 @@ bool describes_work(const std::string& path) {
   return name == "clip.json" || name == "gt.json" || lower_extension(path) == ".toml";
 }
 
-// A page may replace a page, a picture of the run such a picture, and a document a document, but never a
-// frame, footage, a recording or what describes them that was named by mistake.
+// A page may replace a page, a picture of the run such a picture, a scene a scene, and a document a document,
+// but never a frame, footage, a recording or what describes them that was named by mistake.
 Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
   const std::string& path = place.facts.real_path;
   const std::string extension = lower_extension(path);
-  const bool own = kind == OutputKind::Picture && extension == ".png";
+  const bool own = (kind == OutputKind::Picture && extension == ".png") ||
+                   (kind == OutputKind::Scene && extension == ".hdrscene");
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
                     extension == ".hdrscene" || (kind != OutputKind::Document && describes_work(path));
   if (own || !work) return {};

@@ -25,6 +25,7 @@ enum class OutputKind {
   Frames,     // a pattern, one file per frame: earlier frames stay unless --force
   Recording,  // an earlier take stays unless --force
   Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
+  Scene,      // a snapshot: an earlier one stays unless --force
   Page,       // statistics, a report: every run replaces them
   Picture,    // a page that is a PNG, such as a contact sheet
 };
@@ -39,9 +40,9 @@ struct NamedOutput {
 enum class Overwrite { Refuse, Force };
 
 // Errors: Invalid where an output is an input, another output, a folder or no pattern of frames, or a page,
-// picture or document over a file of another kind (by its extension); Exists where it would replace an
-// earlier take; Permission where numbered frames would go into a folder that cannot be
-// listed; those of Storage::look_at.
+// picture, scene or document over a file of another kind (by its extension); Exists where it would replace an
+// earlier take; Permission where numbered frames would go into a folder that cannot be listed; those of
+// Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 

@@ -192,12 +192,12 @@ TEST_CASE("a run that is refused leaves the earlier recording, even with --force
   refused({"--camera", "replay:" + wide, "--memory", "64"}, 16);
 }
 
-TEST_CASE("no page, sheet or list takes the place of a recording or a video, even with --force") {
+TEST_CASE("no page, sheet, list or snapshot takes the place of a recording or a video, even with --force") {
   const std::string folder = sample::scratch_folder("kept_from_pages");
   for (const char* name : {"/take.mkv", "/film.mp4", "/film.mov"}) {
     const std::string kept = folder + name;
     put(kept, "an earlier take");
-    for (const char* flag : {"--stats", "--report", "--sheet", "--transforms"}) {
+    for (const char* flag : {"--stats", "--report", "--sheet", "--transforms", "--snapshot"}) {
       INFO(flag << " " << name);
       const RanHere run = ran_here(
           {"replay", kDemo, "-o", folder + "/out/%06d.exr", "--preset", "fast", "--force", flag, kept});

@@ -147,6 +147,24 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
   CHECK_FALSE(fs::exists(desk.folder + "/o"));
 }
 
+TEST_CASE("a scene takes the place of a scene with --force only, and of no file of another kind") {
+  const Desk desk("guard_scene");
+  for (const char* file : {"s.hdrscene", "noname", "take.mkv", "film.mp4", "000001.exr", "clip.json"})
+    desk.put(file);
+  for (const char* scene : {"s.hdrscene", "noname"}) {
+    const std::vector<NamedOutput> outputs{{"--snapshot", scene, OutputKind::Scene}};
+    require_error(desk.check(outputs), ErrorCode::Exists);
+    require_done(desk.check(outputs, Overwrite::Force));
+  }
+  for (const char* other : {"take.mkv", "film.mp4", "000001.exr", "clip.json"}) {
+    INFO(other);
+    const Result<void> checked = desk.check({{"--snapshot", other, OutputKind::Scene}}, Overwrite::Force);
+    require_error(checked, ErrorCode::Invalid);
+    CHECK(checked.error().message.find("would replace a") != std::string::npos);
+  }
+  require_done(desk.check({{"--snapshot", "new.mkv", OutputKind::Scene}}));
+}
+
 TEST_CASE("an earlier recording is replaced with --force only") {
   const Desk desk("guard_take");
   desk.put("take1.mkv");
