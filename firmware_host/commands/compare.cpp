@@ -5,6 +5,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/signed_text.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/freed_pictures.h"
 #include "render/scores/scores_json.h"
@@ -40,8 +41,9 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
        fixed(scores.phase_stops, 4));
   say("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
       scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
-  say("one gain for all channels: PSNR-mu {:.2f} dB, cast {:+.2f} {:+.2f} {:+.2f} stops\n",
-      scores.psnr_mu_single_gain_db, scores.cast_stops[0], scores.cast_stops[1], scores.cast_stops[2]);
+  say("one gain for all channels: PSNR-mu {:.2f} dB, cast {} {} {} stops\n", scores.psnr_mu_single_gain_db,
+      signed_text(scores.cast_stops[0], 2), signed_text(scores.cast_stops[1], 2),
+      signed_text(scores.cast_stops[2], 2));
   if (scores.depth_abs_rel) say("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
   if (scores.flow_backward_epe_px)
     say("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);

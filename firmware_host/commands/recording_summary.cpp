@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/printable.h"
+#include "firmware_host/signed_text.h"
 #include "hal/core/json_text.h"
 
 namespace hdrcam {
@@ -72,7 +73,7 @@ std::string schedule_text(const RecordingSummary& summary) {
   const ExposureCycle& cycle = summary.cycle;
   if (cycle.period == 0) return "none found";
   std::string text;
-  for (const double slot : slots_ev(cycle)) text += fmt::format("{}{:+.2f}", text.empty() ? "" : " / ", slot);
+  for (const double slot : slots_ev(cycle)) text += (text.empty() ? "" : " / ") + signed_text(slot, 2);
   return fmt::format("{} slot(s): {} EV{}", cycle.period, text,
                      is_relative(summary) ? "" : fmt::format(" about {:.6g} s", reference_s(cycle)));
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "capture/exposure_schedule.h"
+#include "firmware_host/signed_text.h"
 #include "hal/core/counted.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
@@ -198,7 +199,7 @@ std::string in_stops(const Exposure& exposure, const std::vector<Exposure>& cycl
   double middle = 0;
   for (const Exposure& of_cycle : cycle) middle += log_product(of_cycle) / static_cast<double>(cycle.size());
   const double stops = (log_product(exposure) - middle) / std::log(2.0);
-  return fmt::format("{:+.2f}", std::round(stops * 100) / 100 + 0.0);  // no -0
+  return signed_text(stops, 2);
 }
 
 std::string described_exposures(const FootagePlan& plan) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/exposure.h"
+#include "firmware_host/signed_text.h"
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "hal/core/quantile.h"
@@ -190,7 +191,8 @@ Image<std::uint8_t> ContactSheet::composed() const {
   for (const std::string& title : titles)
     lefts.push_back(lefts.back() + std::max(cell_width, text_width(title, kText_px)) + kGap_px);
   const auto caption = [](const Row& row) {
-    return fmt::format("frame {}    exposure {:+.1f} EV", row.facts.sequence, std::log2(row.exposure));
+    return fmt::format("frame {}    exposure {} EV", row.facts.sequence,
+                       signed_text(std::log2(row.exposure), 1));
   };
   int width = std::max(lefts.back(), draw_legend(nullptr, 0) + kGap_px);
   for (const Row* row : rows) width = std::max(width, text_width(caption(*row), kText_px) + 2 * kGap_px);
