@@ -5,10 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <ostream>
 #include <string_view>
 #include <vector>
@@ -193,6 +195,29 @@ Error lost_output(int code, std::string_view consequence) {
           fmt::format("cannot write to the standard output: {}{}", reason, consequence)};
 }
 
+// Another storage that remembers whether anything was written to it.
+class NotingStorage final : public Storage {
+ public:
+  explicit NotingStorage(Storage& storage) : storage_(storage) {}
+  bool written() const { return written_; }
+
+  Result<std::unique_ptr<StorageFile>> open(const std::string& path) override { return storage_.open(path); }
+  Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
+    written_ = true;
+    return storage_.create(path, how);
+  }
+  Result<void> rename(const std::string& from, const std::string& to) override {
+    return storage_.rename(from, to);
+  }
+  Result<void> remove(const std::string& path) override { return storage_.remove(path); }
+  Result<void> make_directories(const std::string& path) override { return storage_.make_directories(path); }
+  Result<FileFacts> look_at(const std::string& path) override { return storage_.look_at(path); }
+
+ private:
+  Storage& storage_;
+  std::atomic<bool> written_{false};
+};
+
 }  // namespace
 
 Result<Request> parse_command_line(std::span<const char* const> args) {
@@ -245,11 +270,12 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
       out << request->text << std::flush;
       return out ? kExitOk : end_with(lost_output(errno, ""));
     }
-    Surroundings surroundings{storage, stop};
+    NotingStorage noting(storage);
+    Surroundings surroundings{noting, stop};
     const Result<void> done = request->verb(surroundings);
     if (!done) return end_with(done.error());
     if (const int lost = lost_results(); lost != 0)
-      return end_with(lost_output(lost, "; the files are complete"));
+      return end_with(lost_output(lost, noting.written() ? "; the files are complete" : ""));
     return kExitOk;
   } catch (const std::exception& bug) {
     tell(fmt::format("internal error: {}", bug.what()));

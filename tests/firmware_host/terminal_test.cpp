@@ -50,8 +50,11 @@ TEST_CASE("results that the standard output does not take are an error in a sent
     CHECK(ended(verb, ">&-") == 12);
     CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("standard output"));
     CHECK(ended(verb, ">/dev/full") == 11);
-    CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("standard output"));
+    CHECK_THAT(value_of(read_whole(posix_storage(), words)),
+               Catch::Contains("standard output") && !Catch::Contains("files"));
   }
+  CHECK(ended("export " + demo + "-o '" + words + ".frames'", ">/dev/full") == 11);
+  CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("; the files are complete"));
 }
 
 }  // namespace
