@@ -115,6 +115,25 @@ TEST_CASE("a recording recorded again is the same one, and does not take as long
 }
 
 TEST_CASE(
+    "a damaged frame of a recording that stands in for the camera is not counted among those that came") {
+  const std::string folder = sample::scratch_folder("live_damaged"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "12", "-o", walk});
+  std::string bytes = value_of(read_whole(posix_storage(), walk));
+  bytes[bytes.size() * 7 / 10] ^= 1;
+  require_done(write_whole(posix_storage(), walk, std::as_bytes(std::span(bytes))));
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"live", "--emit", "state", "--record"}, {"record", "-o"}}) {
+    std::vector<std::string> line = words;
+    line.insert(line.end(), {folder + "/" + words.front() + ".mkv", "--camera", "replay:" + walk});
+    const test::Ran ended = test::ran(line);
+    INFO(ended.output);
+    CHECK(ended.exit_code == kExitOk);
+    CHECK(ended.output.find("1 damaged frame(s) left out") != std::string::npos);
+    CHECK(ended.output.find("11 frames; exposures: ") != std::string::npos);
+  }
+}
+
+TEST_CASE(
     "every verb that writes a recording writes the codec that it is told, and repair the one that it reads") {
   const std::string folder = sample::scratch_folder("codecs"), walk = folder + "/huffyuv.mkv";
   require_success({"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "8", "-o", walk,
