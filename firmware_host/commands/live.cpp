@@ -93,8 +93,10 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   const LiveCounters counters = camera->session().counters();
   if (counters.captured() > 0)
     write_result_beside_frames(
-        settings.output, account_of(*camera) + recorded_line(settings, counters.recorded - counters.in_takes,
-                                                             counters.captured()));
+        settings.output,
+        account_of(*camera) +
+            recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
+            camera->takes_account());
   if (const std::string advice = way_out(counters, settings); !advice.empty()) remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;

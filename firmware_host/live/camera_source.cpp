@@ -3,6 +3,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/memory_need.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 
@@ -101,6 +102,17 @@ std::string CameraSource::strobe_account() const {
   return lines_->strobe_sentence(camera.captured, camera.strobed);
 }
 
+std::string CameraSource::takes_account() const {
+  std::string text;
+  std::uint64_t end = session_->counters().in_takes;
+  for (auto take = started_takes_.rbegin(); take != started_takes_.rend(); ++take) {
+    if (end > take->before)  // no frame, no file
+      text.insert(0, fmt::format("{}: {}\n", take->path, counted(end - take->before, "frame")));
+    end = take->before;
+  }
+  return text;
+}
+
 std::vector<NamedValue> CameraSource::counters() const { return named(session_->counters()); }
 
 // The next number that no file has.
@@ -118,9 +130,11 @@ Result<std::string> CameraSource::start_recording() {
     return Error{ErrorCode::Unsupported,
                  "this run has no place for recordings; start it with --http-record takes/%03d.mkv"};
   TRY(session_->may_record());
+  const std::uint64_t before = session_->counters().in_takes;
   auto take = create_take();
   Result<void> started = take ? session_->start_recording(std::move(take).value()) : take.error();
   if (!started) return recording_.clear(), started.error();
+  started_takes_.push_back({recording_, before});
   return recording_;
 }
 

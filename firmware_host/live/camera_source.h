@@ -3,7 +3,11 @@
 // and `record` share it. Thread-bound, except status() and what RunControl names.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "firmware_host/live/live_session.h"
 #include "firmware_host/live/service_watch.h"
@@ -51,6 +55,8 @@ class CameraSource : public FrameSource, public RunControl {
   std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
   // That the strobe line has no pulse for any frame so far; "" where it has, or there is none.
   std::string strobe_account() const;
+  // The recordings that a person started, each with its frames so far, a line each; "" where none has any.
+  std::string takes_account() const;
   LiveSession& session() { return *session_; }
   bool fits() const { return fits_; }  // or only records
   // Why the run ended, if it ended without an error.
@@ -65,6 +71,11 @@ class CameraSource : public FrameSource, public RunControl {
         codec_(settings.record.codec),
         recording_(settings.record.file) {}
   Result<std::unique_ptr<RecordingWriter>> create_take();
+
+  struct Take {
+    std::string path;
+    std::uint64_t before = 0;  // frames in the takes before it, which are complete
+  };
 
   const std::atomic<bool>& stop_;
   Storage& storage_;
@@ -82,6 +93,7 @@ class CameraSource : public FrameSource, public RunControl {
   std::string recording_;              // the file that is open; "" for none
   std::optional<FramePattern> takes_;  // recordings that a person starts
   std::uint64_t next_take_ = 1;
+  std::vector<Take> started_takes_;
   FrameShare frame_;  // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();

@@ -120,13 +120,16 @@ TEST_CASE(
   CHECK(files == std::set<std::string>{folder + "/takes/02.mkv", folder + "/takes/03.mkv"});
   CHECK(value_of(read_whole(posix_storage(), folder + "/takes/01.mkv")) == "an earlier take");
   std::size_t recorded = 0;
+  std::string listed;
   for (const std::string& file : files) {
     const auto sequences = sequences_in(file);
+    listed += fmt::format("{}: {} frames\n", file, sequences.size());
     CHECK(sequences.size() >= 20);
     for (std::size_t i = 1; i < sequences.size(); ++i) CHECK(sequences[i] == sequences[i - 1] + 1);
     recorded += sequences.size();
   }
   CHECK(counters.recorded == recorded);
+  CHECK(run.source().takes_account() == listed);
   CHECK(counters.not_requested >= 10);
   CHECK(counters.to_record == 0);
   CHECK(counters.captured() == counters.recorded + counters.not_recorded() + counters.not_requested);
@@ -158,6 +161,7 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
   REQUIRE(run.more_frames(10));
   LiveCounters counters = run.end();
   CHECK(counters.in_takes == sequences_in(take).size());
+  CHECK(run.source().takes_account() == fmt::format("{}: {} frames\n", take, counters.in_takes));
   CHECK(counters.recorded - counters.in_takes == sequences_in(settings.record.file).size());
   CHECK(counters.in_takes >= 10);
   counters.shed = 1;
@@ -171,6 +175,7 @@ TEST_CASE("a run without a place for recordings records nothing on demand, and s
   const auto refused = run.control().start_recording();
   require_error(refused, ErrorCode::Unsupported);
   CHECK(refused.error().message.find("--http-record") != std::string::npos);
+  CHECK(run.source().takes_account().empty());
 }
 
 TEST_CASE("the cycle of a running camera changes to one of as many exposures, and to no other") {
