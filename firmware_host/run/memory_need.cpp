@@ -13,7 +13,7 @@ namespace hdrcam {
 namespace {
 
 // Bytes for each pixel of the stream.
-constexpr std::uint64_t kState = 250;
+constexpr std::uint64_t kState = 285;
 constexpr std::uint64_t kLongerLookAhead = 80;  // beside it: what waits for a second frame
 constexpr std::uint64_t kFieldFrame = 100;   // of the field's window, and of two more, a pixel of the field
 constexpr std::uint64_t kBesideField = 40;   // its priors, and its view of unseen pixels

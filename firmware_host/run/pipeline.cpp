@@ -7,7 +7,7 @@ namespace hdrcam {
 namespace {
 
 std::optional<Response> known_response(const CameraFacts& camera) {
-  if (camera.linear) return is_companded(camera) ? Response::gamma(kCompanding) : Response::linear();
+  if (camera.linear) return Response::gamma(kCompanding);
   if (camera.response.size() != 3) return std::nullopt;
   std::array<Response::Curve, 3> inverse{};
   for (std::size_t c = 0; c < 3; ++c) {

@@ -80,8 +80,9 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
         "part");
   record.exposures = sensor.exposures().learned();
   if (const float most = farthest_off(record.exposures); most >= kNotedStops)
-    record.notes.push_back(
-        fmt::format("exposures: the stated ones are up to {:.2f} stop off, as pictures tell", most));
+    record.notes.push_back(fmt::format(
+        "exposures: the stated ones are up to {:.2f} stop off, as pictures tell, or the light flickers",
+        most));
   if (!sensor.response_measured())
     record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
   for (const int frame : sensor.relearned())

@@ -151,6 +151,10 @@ struct SharedFit {
 };
 SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::vector<NoiseLevel>, 3>& levels,
                        const Response& known, const NoiseModel& noise, WorkerPool* pool) {
+  // Until the frames show it, as much noise as small sensors have: that of dark frames matches, too, and
+  // would be taken for light.
+  const NoiseModel doubtful{
+      .full_well = 2000, .read_noise = 8, .code_noise = noise.code_noise, .code_step = noise.code_step};
   const std::vector<int> keys = matches.exposure_keys();
   const Matrix prior = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Known);
   std::array<Vector, 3> g;
@@ -166,7 +170,7 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
     std::array<Vector, 3> qs;
     for_each_channel(pool, [&](std::size_t c) {
       CurveSquares squares(prior.rows());
-      const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
+      const MatchNoise of_matches{fit.seen.value_or(doubtful), true};
       add_match_evidence(matches.of(c), 0, of_matches, g[c], keys, fit.shared, squares);
       add_noise_evidence(levels[c], 0, g[c], noise_of(fit.shared), shared_unknowns::kFullWell, squares);
       Qs[c] = std::move(squares.C);

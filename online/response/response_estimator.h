@@ -46,10 +46,10 @@ class ResponseEstimator {
   explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt, float code_step = 1)
       : stated_black_(black_level), noise_levels_(code_step) {}
 
-  // Takes what the noise of a frame tells of the curve (noise_levels.h), unpacked without a black level.
+  // Takes what the noise of a frame tells of the curve (noise_levels.h), as the camera wrote it.
   void add_noise(const ExposedFrame& frame) { noise_levels_.add(frame); }
 
-  // Adds the matches of two frames of different exposure, unpacked without a black level; returns whether the
+  // Adds the matches of two frames of different exposure, as the camera wrote it; returns whether the
   // pair counted (histogram_matches.h).
   bool add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts = SceneCuts::Possible) {
     return matches_.add(a, b, cuts);
