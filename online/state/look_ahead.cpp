@@ -23,8 +23,7 @@ void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> 
     const LaterFrame& ahead = later[i];
     if (i > 0) path = &lengthened(*path, *ahead.from_previous);
     take_samples(ahead, path->vectors, fusion);
-    const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
-    fusion.model_blur(*before, path->vectors, fraction, samples_);
+    fusion.model_blur(*before, path->vectors, blur_of_path(later.first(i + 1)), samples_);
     const ScratchLease more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
     const Seen seen{*before, samples_, *ahead.tables, unseen_variance};
     fusion.gate(seen, path->confidence, gate_, contrast_);

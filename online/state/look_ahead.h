@@ -20,6 +20,16 @@ struct LaterFrame {
 
 constexpr std::size_t kMaxLookAhead = 2;  // frames
 
+// For how much of the time of the path to the last of these frames it was exposed: a part of the last
+// interval, and intervals are not alike where a frame was lost.
+inline float blur_of_path(std::span<const LaterFrame> path) {
+  double time = 0;
+  for (const LaterFrame& frame : path) time += frame.frame->interval_s;
+  const ExposedFrame& last = *path.back().frame;
+  const double part = time > 0 ? last.interval_s / time : 1 / static_cast<double>(path.size());
+  return last.blur_fraction * static_cast<float>(part);
+}
+
 // What a state becomes with later frames.
 struct JoinedState : RadianceEstimate {
   Image<float> later_share;  // [1, rows, cols] 0..1: how much of the estimate is later frames' samples

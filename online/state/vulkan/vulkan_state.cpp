@@ -210,8 +210,7 @@ Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const L
     passes.warp(codes, on.path, on.seen);
     passes.largest_around(codes, on.path, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
-    // the path spans all intervals, the exposure lasts a part of the last one
-    passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / static_cast<float>(intervals),
+    passes.model_blur(on.joined, on.path, blur_of_path(later.first(static_cast<std::size_t>(intervals))),
                       on.samples);
     const GpuSeen seen{on.joined, on.samples, on.tables, unseen_variance};
     passes.gate(seen, on.path, on.room, on.gate, on.contrast);

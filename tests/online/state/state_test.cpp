@@ -362,3 +362,16 @@ TEST_CASE("a sample that contradicts the state is gated, one that agrees is not"
   CHECK(gate.at(0, 10, 17) < 0.05f);
   CHECK(gate.at(0, 10, 17) > 0);
 }
+
+TEST_CASE("the blur of a later frame is a part of the path to it, also where a frame between was lost") {
+  ExposedFrame next, after;
+  next.interval_s = after.interval_s = 1 / 30., next.blur_fraction = 0.4f, after.blur_fraction = 0.8f;
+  const LaterFrame path[] = {{&next, nullptr, nullptr}, {&after, nullptr, nullptr}};
+  CHECK(blur_of_path({path, 1}) == 0.4f);
+  CHECK(blur_of_path({path, 2}) == 0.4f);  // half of both intervals
+  next.interval_s = 2 / 30.;
+  CHECK(blur_of_path({path, 1}) == 0.4f);
+  CHECK(blur_of_path({path, 2}) == Approx(0.8 / 3));
+  next.interval_s = after.interval_s = 0;  // times are unknown
+  CHECK(blur_of_path({path, 2}) == 0.4f);
+}
