@@ -20,6 +20,7 @@
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
 #include "hal/core/counted.h"
+#include "hal/core/folder_listing.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 #include "render/scores/linear_pictures.h"
@@ -56,16 +57,11 @@ Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
 // In the order of their numbers.
 Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const std::string& text) {
   std::vector<NumberedFile> files;
-  std::error_code failed;
-  for (std::filesystem::directory_iterator entry(pattern.folder(), failed), end; !failed && entry != end;
-       entry.increment(failed))
-    if (const auto sequence = pattern.sequence_of(entry->path().filename().string()))
+  const FolderListing listing(pattern.folder());
+  for (const std::filesystem::path& path : listing.paths())
+    if (const auto sequence = pattern.sequence_of(path.filename().string()))
       files.push_back({*sequence, pattern.path(*sequence)});
-  const bool none = failed == std::errc::no_such_file_or_directory || failed == std::errc::not_a_directory;
-  if (failed && !none)
-    return Error{ErrorCode::Permission,
-                 fmt::format("cannot read the folder '{}': {}", pattern.folder(), failed.message()),
-                 failed.value()};
+  if (listing.failure() && !listing.is_missing()) return listing.cannot_read();
   if (files.empty()) return Error{ErrorCode::NotFound, fmt::format("there are no frames '{}'", text)};
   std::ranges::sort(files, {}, &NumberedFile::sequence);
   return files;

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "hal/core/folder_listing.h"
 
 namespace hdrcam {
 
@@ -16,19 +16,14 @@ EarlierFrames::EarlierFrames(Storage& storage, const std::string& pattern)
   const std::filesystem::path as_path(pattern);
   const auto parsed = FramePattern::parse("", pattern, as_path.extension().string());
   if (!parsed) return;
-  std::error_code failed;
-  std::filesystem::directory_iterator entry(parsed.value().folder(), failed);
-  for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
-    const std::filesystem::path name = entry->path().filename();
+  const FolderListing listing(parsed.value().folder());
+  for (const std::filesystem::path& entry : listing.paths()) {
+    const std::filesystem::path name = entry.filename();
     if (!parsed.value().fits(name.string())) continue;
     const std::string path = (as_path.parent_path() / name).string();  // with the folder as it was given
     if (const auto facts = storage.look_at(path)) files_.push_back({path, facts.value()});
   }
-  const bool none = failed == std::errc::no_such_file_or_directory || failed == std::errc::not_a_directory;
-  if (failed && !none)
-    listed_ = Error{ErrorCode::Permission,
-                    fmt::format("cannot read the folder '{}': {}", parsed.value().folder(), failed.message()),
-                    failed.value()};
+  if (listing.failure() && !listing.is_missing()) listed_ = listing.cannot_read();
   std::ranges::sort(files_, {}, &File::path);
 }
 

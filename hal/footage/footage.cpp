@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hal/core/file_extension.h"
+#include "hal/core/folder_listing.h"
 #include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
 
@@ -186,13 +187,12 @@ bool is_hidden(const fs::path& path) { return path.filename().string().starts_wi
 
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files;
-  std::error_code failed, ignored;
-  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
-    if (entry->is_regular_file(ignored) && is_footage(entry->path().string()) && !is_hidden(entry->path()))
-      files.push_back(entry->path().string());
-  if (failed)
-    return Error{ErrorCode::Permission,
-                 fmt::format("cannot read the folder '{}': {}", folder, failed.message()), failed.value()};
+  std::error_code ignored;
+  const FolderListing listing(folder);
+  for (const fs::path& path : listing.paths())
+    if (fs::is_regular_file(path, ignored) && is_footage(path.string()) && !is_hidden(path))
+      files.push_back(path.string());
+  if (listing.failure()) return listing.cannot_read();
   if (files.empty())
     return Error{ErrorCode::NotFound,
                  fmt::format("there is neither a clip.json nor a picture nor a video in '{}'", folder)};

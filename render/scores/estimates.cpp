@@ -4,6 +4,7 @@
 #include <optional>
 #include <system_error>
 
+#include "hal/core/folder_listing.h"
 #include "hal/core/parse_number.h"
 #include "render/exr.h"
 #include "render/scores/linear_pictures.h"
@@ -34,16 +35,16 @@ Image<float> flow_of(const ExrImage& picture, const std::string_view (&names)[2]
 Result<Estimates> Estimates::open(Storage& storage, const std::string& folder,
                                   const std::function<bool(const std::string& path)>& is_scored) {
   Estimates estimates(storage);
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const auto number = frame_number(it->path());
-    if (!number || (is_scored && !is_scored(it->path().string()))) continue;
-    const auto [known, fresh] = estimates.paths_.emplace(*number, it->path().string());
+  const FolderListing listing(folder);
+  for (const std::filesystem::path& path : listing.paths()) {
+    const auto number = frame_number(path);
+    if (!number || (is_scored && !is_scored(path.string()))) continue;
+    const auto [known, fresh] = estimates.paths_.emplace(*number, path.string());
     if (!fresh)
       return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one",
-                                                   known->second, it->path().string(), *number)};
+                                                   known->second, path.string(), *number)};
   }
-  if (error)
+  if (const std::error_code& error = listing.failure())
     return Error{ErrorCode::NotFound, fmt::format("cannot list the folder '{}': {}", folder, error.message()),
                  error.value()};
   if (estimates.paths_.empty())
