@@ -23,6 +23,7 @@
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/version.h"
+#include "hal/forwarding_storage.h"
 
 namespace hdrcam {
 namespace {
@@ -196,25 +197,17 @@ Error lost_output(int code, std::string_view consequence) {
 }
 
 // Another storage that remembers whether anything was written to it.
-class NotingStorage final : public Storage {
+class NotingStorage final : public ForwardingStorage {
  public:
-  explicit NotingStorage(Storage& storage) : storage_(storage) {}
+  using ForwardingStorage::ForwardingStorage;
   bool written() const { return written_; }
 
-  Result<std::unique_ptr<StorageFile>> open(const std::string& path) override { return storage_.open(path); }
   Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
     written_ = true;
-    return storage_.create(path, how);
+    return ForwardingStorage::create(path, how);
   }
-  Result<void> rename(const std::string& from, const std::string& to) override {
-    return storage_.rename(from, to);
-  }
-  Result<void> remove(const std::string& path) override { return storage_.remove(path); }
-  Result<void> make_directories(const std::string& path) override { return storage_.make_directories(path); }
-  Result<FileFacts> look_at(const std::string& path) override { return storage_.look_at(path); }
 
  private:
-  Storage& storage_;
   std::atomic<bool> written_{false};
 };
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/storage.h"
+#include "hal/forwarding_storage.h"
 
 namespace hdrcam {
 
@@ -25,20 +25,15 @@ struct StorageFaults {
       {};  // of files opened to read, counted from the first bit of the file
 };
 
-class FaultyStorage : public Storage {
+class FaultyStorage : public ForwardingStorage {
  public:
   // inner outlives this and the files it opens; so does this.
-  FaultyStorage(Storage& inner, StorageFaults faults) : inner_(inner), faults_(std::move(faults)) {}
+  FaultyStorage(Storage& inner, StorageFaults faults)
+      : ForwardingStorage(inner), faults_(std::move(faults)) {}
 
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override;
   Result<std::unique_ptr<StorageFile>> create(const std::string& path,
                                               Creation how = Creation::Replace) override;
-  Result<void> rename(const std::string& from, const std::string& to) override {
-    return inner_.rename(from, to);
-  }
-  Result<void> remove(const std::string& path) override { return inner_.remove(path); }
-  Result<void> make_directories(const std::string& path) override { return inner_.make_directories(path); }
-  Result<FileFacts> look_at(const std::string& path) override { return inner_.look_at(path); }
 
   // Calls so far, refused ones included.
   std::uint64_t reads() const { return reads_; }
@@ -48,7 +43,6 @@ class FaultyStorage : public Storage {
  private:
   class File;
 
-  Storage& inner_;
   StorageFaults faults_;
   std::uint64_t reads_ = 0, writes_ = 0, syncs_ = 0, used_bytes_ = 0;
 };
