@@ -22,8 +22,7 @@ SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vect
 // left.
 double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells);
 
-// Both of one size, unpacked without a black level. True also where too few cells are clipped in neither
-// picture to tell.
+// Both of one size. True also where too few cells are clipped in neither picture to tell.
 bool shows_one_scene(const ExposedFrame& a, const ExposedFrame& b);
 
 }  // namespace hdrcam

@@ -29,13 +29,14 @@ float ExposureCorrections::corrected(float exposure) const {
 std::vector<ExposureCorrection> ExposureCorrections::learned() const {
   std::vector<ExposureCorrection> all;
   for (const auto& [key, log_ratio] : log_ratios_)
-    all.push_back({std::exp2(static_cast<float>(key) / kKeysPerStop),
-                   static_cast<float>(log_ratio / std::numbers::ln2)});
+    all.push_back({exposure_of(key), static_cast<float>(log_ratio / std::numbers::ln2)});
   return all;
 }
 
 int ExposureCorrections::key(float exposure) {
   return static_cast<int>(std::lround(std::log2(exposure) * kKeysPerStop));
 }
+
+float ExposureCorrections::exposure_of(int key) { return std::exp2(static_cast<float>(key) / kKeysPerStop); }
 
 }  // namespace hdrcam

@@ -24,6 +24,7 @@ class ExposureCorrections {
   std::vector<ExposureCorrection> learned() const;
   // In 1/64 stop: exposures that differ by less are one.
   static int key(float exposure);
+  static float exposure_of(int key);
 
  private:
   std::map<int, double> log_ratios_;  // ln of true over stated

@@ -39,7 +39,7 @@ class HistogramMatches {
   // Of one channel, by the stated exposures, shorter and longer (ExposureCorrections::key).
   using OfChannel = std::map<std::pair<int, int>, CodeMatches>;
 
-  // Adds the matches of two frames of different exposure, as the camera wrote it. It skips frames of
+  // Adds the matches of two frames of different exposure, as the estimator has them. It skips frames of
   // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut), and finds none in
   // frames that show nothing; returns whether the pair counted.
   bool add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts);

@@ -85,19 +85,37 @@ CurveMisfit misfit_at(float black_level, const HistogramMatches::OfChannel& matc
   return agreement(matches, black_level, {noise}, g, keys, as_stated).misfit;
 }
 
+// What the channels share.
+struct SharedFit {
+  Vector shared;                   // shared_unknowns.h
+  std::optional<NoiseModel> seen;  // where the frames show the sensor's own
+
+  SensorNoise noise() const {
+    return {shared[shared_unknowns::kFullWell], shared[shared_unknowns::kReadNoise]};
+  }
+};
+
 // All channels, and what they share.
-struct Fit {
+struct Fit : SharedFit {
   struct Curve {
     Vector g;
     Matrix precision;  // of g, given the matches, the prior and what the channels share
   };
   std::array<Curve, 3> curves;
-  Vector shared;  // shared_unknowns.h
-  std::optional<NoiseModel> seen;
 };
 
-SensorNoise noise_of(const Vector& shared) {
-  return {shared[shared_unknowns::kFullWell], shared[shared_unknowns::kReadNoise]};
+// What a channel says of the shared e: e'Q e - 2 q'e, without a constant.
+struct SharedSquares {
+  Matrix Q;
+  Vector q;
+};
+
+// The shared unknowns on which the channels and the prior agree best.
+Vector agreed_on(const Matrix& prior_precision, const std::array<SharedSquares, 3>& channels) {
+  Matrix Q = prior_precision;
+  Vector q = Vector::Zero(Q.rows());
+  for (const SharedSquares& channel : channels) Q += channel.Q, q += channel.q;
+  return Q.ldlt().solve(q);
 }
 
 bool shows_noise(const std::array<std::vector<NoiseLevel>, 3>& levels) {
@@ -111,44 +129,35 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
   const std::vector<int> keys = matches.exposure_keys();
   const bool noise_shown = shows_noise(levels);
   const Matrix shared_precision = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Fitted);
-  Fit fit{{}, Vector::Zero(shared_precision.rows()), {}};
+  Fit fit{{Vector::Zero(shared_precision.rows()), {}}, {}};
   for (Fit::Curve& curve : fit.curves) curve = {curve_prior().mean, {}};
   for (int iteration = 0; iteration < (noise_shown ? kIterationsWithNoise : kIterations); ++iteration) {
     std::array<Vector, 3> alone;  // curves, and their change with the shared
     std::array<Matrix, 3> change;
-    std::array<Matrix, 3> Qs;  // of the shared, what each channel adds to their equations
-    std::array<Vector, 3> qs;
+    std::array<SharedSquares, 3> of_shared;
     for_each_channel(pool, [&](std::size_t c) {
       Fit::Curve& curve = fit.curves[c];
       const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
       Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, keys, fit.shared);
-      add_noise_evidence(levels[c], black_level[c], curve.g, noise_of(fit.shared), shared_unknowns::kFullWell,
-                         agreed);
+      add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), shared_unknowns::kFullWell, agreed);
       const Eigen::LLT<Matrix> factor(agreed.A);
       alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
-      Qs[c] = agreed.C - agreed.B.transpose() * change[c];
-      qs[c] = agreed.d - change[c].transpose() * agreed.b;
+      of_shared[c] = {agreed.C - agreed.B.transpose() * change[c],
+                      agreed.d - change[c].transpose() * agreed.b};
       curve.precision = std::move(agreed.A);
     });
-    Matrix Q = shared_precision;
-    Vector q = Vector::Zero(Q.rows());
-    for (std::size_t c = 0; c < 3; ++c) Q += Qs[c], q += qs[c];
-    fit.shared = Q.ldlt().solve(q);
+    fit.shared = agreed_on(shared_precision, of_shared);
     for (std::size_t c = 0; c < 3; ++c) {
       Vector& g = fit.curves[c].g;
       g = alone[c] - change[c] * fit.shared;
       make_monotone(g);
     }
-    if (noise_shown) fit.seen = noise_model(noise_of(fit.shared), noise.code_step);
+    if (noise_shown) fit.seen = noise_model(fit.noise(), noise.code_step);
   }
   return fit;
 }
 
-// What the channels share where their curves are known and codes have no black level.
-struct SharedFit {
-  Vector shared;
-  std::optional<NoiseModel> seen;
-};
+// Where the curves are known and codes have no black level.
 SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::vector<NoiseLevel>, 3>& levels,
                        const Response& known, const NoiseModel& noise, WorkerPool* pool) {
   // Until the frames show it, as much noise as small sensors have: that of dark frames matches, too, and
@@ -156,6 +165,7 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
   const NoiseModel doubtful{
       .full_well = 2000, .read_noise = 8, .code_noise = noise.code_noise, .code_step = noise.code_step};
   const std::vector<int> keys = matches.exposure_keys();
+  const bool noise_shown = shows_noise(levels);
   const Matrix prior = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Known);
   std::array<Vector, 3> g;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -166,21 +176,16 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
   }
   SharedFit fit{Vector::Zero(prior.rows()), {}};
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    std::array<Matrix, 3> Qs;
-    std::array<Vector, 3> qs;
+    std::array<SharedSquares, 3> of_shared;
     for_each_channel(pool, [&](std::size_t c) {
       CurveSquares squares(prior.rows());
       const MatchNoise of_matches{fit.seen.value_or(doubtful), true};
       add_match_evidence(matches.of(c), 0, of_matches, g[c], keys, fit.shared, squares);
-      add_noise_evidence(levels[c], 0, g[c], noise_of(fit.shared), shared_unknowns::kFullWell, squares);
-      Qs[c] = std::move(squares.C);
-      qs[c] = squares.d - squares.B.transpose() * g[c];
+      add_noise_evidence(levels[c], 0, g[c], fit.noise(), shared_unknowns::kFullWell, squares);
+      of_shared[c] = {std::move(squares.C), squares.d - squares.B.transpose() * g[c]};
     });
-    Matrix Q = prior;
-    Vector q = Vector::Zero(Q.rows());
-    for (std::size_t c = 0; c < 3; ++c) Q += Qs[c], q += qs[c];
-    fit.shared = Q.ldlt().solve(q);
-    if (shows_noise(levels)) fit.seen = noise_model(noise_of(fit.shared), noise.code_step);
+    fit.shared = agreed_on(prior, of_shared);
+    if (noise_shown) fit.seen = noise_model(fit.noise(), noise.code_step);
   }
   return fit;
 }
@@ -188,7 +193,7 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
 ExposureCorrections corrections_of(const Vector& shared, const std::vector<int>& keys) {
   ExposureCorrections exposures;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64),
+    exposures.set(ExposureCorrections::exposure_of(keys[k]),
                   shared[shared_unknowns::kExposures + static_cast<Eigen::Index>(k)]);
   return exposures;
 }

@@ -46,11 +46,13 @@ class ResponseEstimator {
   explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt, float code_step = 1)
       : stated_black_(black_level), noise_levels_(code_step) {}
 
-  // Takes what the noise of a frame tells of the curve (noise_levels.h), as the camera wrote it.
+  // Frames come with their black level in them, unless the response is known (estimate_under).
+
+  // Takes what the noise of a frame tells of the curve (noise_levels.h).
   void add_noise(const ExposedFrame& frame) { noise_levels_.add(frame); }
 
-  // Adds the matches of two frames of different exposure, as the camera wrote it; returns whether the
-  // pair counted (histogram_matches.h).
+  // Adds the matches of two frames of different exposure; returns whether the pair counted
+  // (histogram_matches.h).
   bool add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts = SceneCuts::Possible) {
     return matches_.add(a, b, cuts);
   }
@@ -65,7 +67,7 @@ class ResponseEstimator {
   ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve,
                             WorkerPool* pool = nullptr) const;
 
-  // The same where the response is known, of frames unpacked with no black level left: what stated exposures
+  // The same where the response is known, of frames with no black level left: what stated exposures
   // are off, and the noise. Takes some milliseconds.
   ResponseEstimate estimate_under(const Response& known, const NoiseModel& noise,
                                   WorkerPool* pool = nullptr) const;

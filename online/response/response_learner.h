@@ -27,13 +27,13 @@ class ResponseLearner {
   };
   explicit ResponseLearner(Options options) : options_(options) {}
 
-  // Looks at one of the first frames as it comes, as the camera wrote it; before: the one before it,
-  // or null. So there is less to do when there are enough of them.
+  // Looks at one of the first frames as it comes, its black level in it unless the response is known; before:
+  // the one before it, or null. So there is less to do when there are enough of them.
   void see_first(const ExposedFrame& frame, const CompactFrame* before);
   // What these first frames, all of which have been seen, tell. noise: the uncertainty of the codes.
   ResponseEstimate first(std::span<const CompactFrame> frames, const NoiseModel& noise, WorkerPool& pool);
-  // Takes the next frame, as the camera wrote it. What the response is from this frame on, where that
-  // is far more certain than before; nearly always nothing. May wait for the fit of frames long ago.
+  // Takes the next frame, its black level in it. What the response is from this frame on, where that is far
+  // more certain than before; nearly always nothing. May wait for the fit of frames long ago.
   std::optional<ResponseEstimate> next(const ExposedFrame& frame, const NoiseModel& noise);
 
   // False while neither two exposures of one scene nor the sensor's own noise told of the curve, and the mean

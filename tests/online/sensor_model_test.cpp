@@ -16,6 +16,20 @@ using namespace hdrcam;
 using test::OnlineStream;
 using test::state_alone;
 
+namespace {
+
+// Whose noise, shared by the channels, single frames do not tell from texture.
+test::MovingScene still_in_grey_noise() {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 1000, scene.read_noise = 10;
+  scene.noise_is_grey = true;
+  return scene;
+}
+
+}  // namespace
+
 TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
   test::MovingScene scene;
   scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
@@ -54,11 +68,7 @@ TEST_CASE("a response that the sensor's noise alone told is measured") {
 }
 
 TEST_CASE("noise that single frames do not tell is learned from pairs of them") {
-  test::MovingScene scene;
-  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
-  scene.drift_px = scene.disc_px = 0;
-  scene.full_well = 1000, scene.read_noise = 10;
-  scene.noise_is_grey = true;
+  test::MovingScene scene = still_in_grey_noise();
   WorkerPool pool(2);
   const Knobs options = state_alone();
   OnlineStream stream(scene.camera(), options, pool);
@@ -134,11 +144,7 @@ TEST_CASE("of a lens that is covered at first the response is learned when it no
 }
 
 TEST_CASE("under another response the noise is learned as fast as at the beginning") {
-  test::MovingScene scene;
-  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
-  scene.drift_px = scene.disc_px = 0;
-  scene.full_well = 1000, scene.read_noise = 10;
-  scene.noise_is_grey = true;
+  test::MovingScene scene = still_in_grey_noise();
   scene.covered_frames = 14;
   WorkerPool pool(2);
   const Knobs options = state_alone();
