@@ -28,6 +28,34 @@ float contrast_3x3(const Image<float>& picture, int channel, int y, int x) {
   return std::max(0.f, squares / 9 - sum / 9 * (sum / 9));
 }
 
+// How far the scene moves to the next frame, for each pixel that it moved from the one before: the middles of
+// exposures are not evenly spaced. Far motion counts as much as near motion.
+float pace_of(const Image<float>& to_previous, const Image<float>& to_next) {
+  constexpr float kStill = 1e-3f, kLeast = 0.25f, kMost = 4;
+  const int rows = to_next.rows(), cols = to_next.cols();
+  float along = kStill, squares = kStill;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kColumns; ++i) {
+      const int y = (2 * j + 1) * rows / (2 * kRows), x = (2 * i + 1) * cols / (2 * kColumns);
+      const Offset back = offset_at(to_previous, x, y), on = offset_at(to_next, x, y);
+      const float squared = back.x * back.x + back.y * back.y, weight = 1 / (1 + squared);
+      along -= weight * (on.x * back.x + on.y * back.y), squares += weight * squared;
+    }
+  return std::clamp(along / squares, kLeast, kMost);
+}
+
+// What is wrong in the radiance of a pixel, squared, that was moved by one of two motions where the other is
+// right; so much is `change` their difference. variance: of the radiance.
+float slip(const Image<float>& radiance, int c, int y, int x, Offset change, float variance) {
+  const auto moved = [&](float by) {
+    return BetweenPixels(radiance.rows(), radiance.cols(), x, y, by * change).of(radiance, c) -
+           radiance.at(c, y, x);
+  };
+  const float on = moved(1), back = moved(-1);
+  const float noise = std::min(1.f, std::hypot(change.x, change.y)) * variance;
+  return std::max(0.f, (on * on + back * back) / 4 - noise);  // each motion has half of the change
+}
+
 }  // namespace
 
 void ScenePixels::see(const FrameEstimate& estimate) {
@@ -37,6 +65,8 @@ void ScenePixels::see(const FrameEstimate& estimate) {
   if (estimate.to_previous == nullptr || rows < kLeastSize || cols < kLeastSize) return;
   if (!(frame.interval_s > 0)) return;
   interval_s_ = frame.interval_s;
+  const float pace =
+      estimate.to_next != nullptr ? pace_of(estimate.to_previous->vectors, *estimate.to_next) : 1;
   const float down = spread(frames_, 0.7548776662), across = spread(frames_, 0.5698402910);
   const auto first = static_cast<std::size_t>(frames_ % kFrames) * kColumns * kRows;
   for (int j = 0; j < kRows; ++j)
@@ -44,15 +74,18 @@ void ScenePixels::see(const FrameEstimate& estimate) {
       const auto y = static_cast<int>((static_cast<float>(j) + down) * static_cast<float>(rows - 2) / kRows);
       const auto x =
           static_cast<int>((static_cast<float>(i) + across) * static_cast<float>(cols - 2) / kColumns);
-      take(estimate, y + 1, x + 1, first + static_cast<std::size_t>(j * kColumns + i));
+      take(estimate, pace, y + 1, x + 1, first + static_cast<std::size_t>(j * kColumns + i));
     }
   ++frames_;
 }
 
-void ScenePixels::take(const FrameEstimate& estimate, int y, int x, std::size_t to) {
+void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, std::size_t to) {
   constexpr float kUnknownStops = 2;  // above its bound a clipped pixel may be as much brighter
   // of the contrast, as Fusion::warp_variance adds in the mean over fractions of a pixel
   constexpr float kMisaligned = 0.5f * FusionOptions().misalignment * FusionOptions().misalignment;
+  // Slips count so much: motion that is wrong alike in both steps does not change, and its surroundings slip
+  // with it. With this weight cycles differ in the forecast as their pictures do (docs/decisions/camera.md).
+  constexpr float kSlips = 32;
   constexpr int kMostTaps = 9;
   const Image<float>& radiance = estimate.state.radiance;
   const int c = channel(static_cast<int>(to));
@@ -66,6 +99,11 @@ void ScenePixels::take(const FrameEstimate& estimate, int y, int x, std::size_t 
   // what looks like contrast is noise of the state, too
   const float contrast = known ? std::max(0.f, contrast_3x3(radiance, c, y, x) - variance) : 0;
   misalignment_[to] = kMisaligned * std::min(1.f, length) * contrast;
+  if (known && estimate.to_next != nullptr) {
+    const Offset next = offset_at(*estimate.to_next, x, y);
+    const Offset change{next.x + pace * motion.x, next.y + pace * motion.y};
+    misalignment_[to] += kSlips * slip(radiance, c, y, x, change, variance);
+  }
   for (int k = 0; k < kLengths; ++k) {
     const float fraction = std::ldexp(1.f, -k), span = length * fraction;
     const int taps = std::clamp(static_cast<int>(std::ceil(span)) + 1, 3, kMostTaps);

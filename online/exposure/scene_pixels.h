@@ -1,7 +1,8 @@
 // What the fit knows of the next frames' scene, as far as their exposures matter: some hundred pixels of the
 // state, spread over the last frames, each with its radiance in one channel, how far an exposure of a given
-// time would blur it, and how well what is known of it is carried along. Radiance is relative to E_ref, as in
-// the state. Fixed size; thread-bound.
+// time would blur it, and how well what is known of it is carried along: what moves unsteadily is followed
+// badly, and is right only in frames that show it themselves. Radiance is relative to E_ref, as in the state.
+// Fixed size; thread-bound.
 #pragma once
 
 #include <array>
@@ -35,7 +36,8 @@ class ScenePixels {
   double interval_s() const { return interval_s_; }  // between frames
 
  private:
-  void take(const FrameEstimate& estimate, int y, int x, std::size_t to);
+  // pace: of the motion to the next frame against that from the one before
+  void take(const FrameEstimate& estimate, float pace, int y, int x, std::size_t to);
 
   Values radiance_{}, misalignment_{}, kept_{};
   std::array<Values, kLengths> squared_blur_{};

@@ -49,8 +49,8 @@ TEST_CASE("exposures that follow the motion make better pictures of what moves, 
   INFO(quick.in_words());
   CHECK(quick.fixed.changes == 0);
   CHECK(quick.motion.changes >= 1);
-  CHECK(quick.mean_gain_db() >= 0.5);
-  CHECK(quick.worst_gain_db() >= 0.5);
+  CHECK(quick.mean_gain_db() >= 1.5);
+  CHECK(quick.worst_gain_db() >= 3);
   CHECK(quick.fixed.wrong_labels + quick.motion.wrong_labels == 0);
   CHECK(says(quick.motion.record, "the fit asked for other exposures"));
   CHECK_FALSE(says(quick.fixed.record, "the fit asked for"));
@@ -65,12 +65,19 @@ TEST_CASE("exposures that follow the motion make no picture worse of what rests"
 
 TEST_CASE("the scores in closed loop, scene by scene", "[.][closed-loop]") {
   constexpr const char* kMoving[] = {"walk", "fast", "lamps", "night", "pan"};
+  constexpr int kSeeds[] = {1, 7, 8, 9, 11, 21, 22, 23, 24};  // 1: the scenes as they are without a seed
   double mean = 0, worst = 0;
-  for (const char* scene : kMoving) {
-    const Comparison loop = compared(scene, 60);
-    WARN(scene << ": " << loop.in_words());
-    CHECK(loop.motion.wrong_labels == 0);
-    mean += loop.mean_gain_db() / std::size(kMoving), worst += loop.worst_gain_db() / std::size(kMoving);
+  for (const int seed : kSeeds) {
+    double mean_of_seed = 0, worst_of_seed = 0;
+    for (const char* scene : kMoving) {
+      const Comparison loop = compared(fmt::format("{}?seed={}", scene, seed), 60);
+      WARN(scene << " " << seed << ": " << loop.in_words());
+      CHECK(loop.motion.wrong_labels == 0);
+      mean_of_seed += loop.mean_gain_db() / std::size(kMoving);
+      worst_of_seed += loop.worst_gain_db() / std::size(kMoving);
+    }
+    WARN(fmt::format("moving, seed {}: {:+.2f} / {:+.2f} dB", seed, mean_of_seed, worst_of_seed));
+    mean += mean_of_seed / std::size(kSeeds), worst += worst_of_seed / std::size(kSeeds);
   }
   WARN(fmt::format("moving, mean: {:+.2f} / {:+.2f} dB", mean, worst));
   WARN("still: " << compared("still", 60).in_words());
