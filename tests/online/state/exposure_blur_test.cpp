@@ -39,10 +39,12 @@ TEST_CASE("an edge that moves is blurred over its way during the exposure, and w
   WorkerPool pool(2);
   const Image<float> sharp = edge();
   Image<float> added;
-  blur_difference(sharp, to_the_right(8), 0.75f, added, pool);
-  for (int x = 16; x < 48; ++x) {
-    INFO("column " << x);
-    CHECK(sharp.at(1, 8, x) + added.at(1, 8, x) == Approx(ramp(x, 6)).margin(0.05));
+  for (const float share : {0.75f, 0.25f}) {
+    blur_difference(sharp, to_the_right(8), share, added, pool);
+    for (int x = 16; x < 48; ++x) {
+      INFO("column " << x << ", exposed for " << share << " of the interval");
+      CHECK(sharp.at(1, 8, x) + added.at(1, 8, x) == Approx(ramp(x, share * 8)).margin(0.05));
+    }
   }
   blur_difference(sharp, to_the_right(8), 0.02f, added, pool);
   for (const float a : added.samples()) REQUIRE(a == 0);
