@@ -133,7 +133,7 @@ TEST_CASE("motion that only the blue channel of a dark frame shows is found") {
   std::uint64_t draws = 0;
   const auto dark = [&](int index) {
     ExposedFrame frame = frame_of(index, 1, [&](float, float) {
-      return 2 + 0.8f * static_cast<float>(test::MovingScene::noise(12 * draws++));
+      return 2 + 2.2f * static_cast<float>(test::MovingScene::noise(12 * draws++));
     });
     for (int y = 0; y < kRows; ++y)
       for (int x = 0; x < kCols; ++x) {

@@ -234,6 +234,26 @@ TEST_CASE("what a neighbour saw reaches the frame that was blind", "[isa][field]
   CHECK(filled < 0.5 * blind);
 }
 
+TEST_CASE("codes are compared at the exposure of their frame, and a state that is too bright is corrected",
+          "[isa][field]") {
+  const auto error_after = [](int steps) {
+    Run run;
+    for (int i = 0; i < 3; ++i) {
+      FieldObservation seen = run.scene.frame(i);
+      for (float& v : run.scene.radiance.samples()) v *= 1.6f;
+      for (float& v : run.scene.variance.samples()) v *= 100;
+      REQUIRE(run.fit.observe(seen, run.scene.response).ok());
+      run.last_time_s = seen.time_s;
+      for (int s = 0; s < steps; ++s) run.fit.step();
+    }
+    return log_error(run.scene, run.look(), 2, false);
+  };
+  const double bright = error_after(0), corrected = error_after(200);
+  INFO("log error " << bright << " -> " << corrected);
+  CHECK(bright > 0.4);
+  CHECK(corrected < 0.5 * bright);
+}
+
 TEST_CASE("one and two threads give the same bytes", "[isa][field]") {
   const auto bytes = [](int threads) {
     Run run(FitStream::small_options(), threads);

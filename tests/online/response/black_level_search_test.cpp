@@ -1,0 +1,30 @@
+// Which black level is claimed, for misfits that a test states.
+#include "online/response/black_level_search.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr float kDarkest = 6, kMost = 30;
+
+}  // namespace
+
+TEST_CASE("a black level above the darkest pixels is the matches' word, not that of usual curves") {
+  // above the darkest pixels the curve would be a usual one, and the pictures match as well as elsewhere
+  const auto usual_above = [](float level) { return CurveMisfit{100, level > kDarkest ? 0.0 : 200.0}; };
+  CHECK(find_black_level(kDarkest, kMost, usual_above) == 0);
+  const auto matching_above = [](float level) { return CurveMisfit{level > kDarkest ? 0.0 : 100.0, 200}; };
+  CHECK(find_black_level(kDarkest, kMost, matching_above) > kDarkest);
+}
+
+TEST_CASE("up to the darkest pixels usual curves have a word, too") {
+  const auto usual_at_darkest = [](float level) { return CurveMisfit{100, level == kDarkest ? 0.0 : 200.0}; };
+  CHECK(find_black_level(kDarkest, kMost, usual_at_darkest) == kDarkest);
+}
+
+TEST_CASE("no black level is claimed for less than it costs") {
+  const auto hardly_better = [](float level) { return CurveMisfit{level > 0 ? 95.0 : 100.0, 0}; };
+  CHECK(find_black_level(kDarkest, kMost, hardly_better) == 0);
+}
