@@ -57,7 +57,7 @@ class PoseFile : public FrameSink {
   }
 
   Result<void> conclude(const RunRecord&) override {
-    if (clip_.pictures.empty()) return {};  // the run failed before its first frame
+    if (clip_.pictures.empty()) return none_posed();
     for (const auto& [world, frames] : points_)
       for (const std::vector<ColouredPoint>& points : frames)
         clip_.points.insert(clip_.points.end(), points.begin(), points.end());
@@ -72,8 +72,10 @@ class PoseFile : public FrameSink {
   virtual Result<void> write(Storage& storage, const PosedClip& clip, const std::string& folder) = 0;
 
  private:
-  // The first frame decides what the poses are.
+  // The first frame with a pose decides what the poses are. That of a film may lie beside one without, and a
+  // film's frames have depth; of other runs the first frame has a pose, or none will.
   Result<void> begin(const HdrFrame& frame) {
+    if (!frame.pose && !frame.depth.empty()) return {};
     if (!frame.pose)
       return Error{
           ErrorCode::Invalid,
@@ -89,6 +91,16 @@ class PoseFile : public FrameSink {
     clip_.lens_is_assumed = frame.lens_is_assumed;
     clip_.source = frame.pose->source;
     return {};
+  }
+
+  // Without a picture there is no file: a run that failed before its first frame has told why.
+  Result<void> none_posed() const {
+    if (clip_.left_out == 0) return {};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} needs poses, and no frame of the film has one: the recorded frames beside "
+                             "them have none, or theirs are lost; give another --time, or leave out --emit "
+                             "state and --set field=none",
+                             flag_)};
   }
 
   void take_points(const HdrFrame& frame) {

@@ -60,6 +60,42 @@ TEST_CASE("a frame whose pose is lost, and one whose picture is not there, are l
   CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
 }
 
+TEST_CASE("a film whose first frames have no pose has those of the later ones, and an error where none has") {
+  const std::string folder = sample::scratch_folder("pose_files_unposed");
+  auto transforms =
+      create_transforms(posix_storage(), folder + "/transforms.json", {folder + "/%04d.png", ""});
+  REQUIRE(transforms.ok());
+  for (const std::uint64_t sequence : {0U, 1U, 2U}) {
+    HdrFrame frame = posed_frame(sequence);
+    frame.depth = Image<float>(1, frame.radiance.rows(), frame.radiance.cols());
+    if (sequence < 2) frame.pose.reset();
+    REQUIRE(test::emit(*transforms.value(), frame).ok());
+    write_picture(folder + "/000" + std::to_string(sequence) + ".png");
+    if (sequence != 1) continue;
+    const Result<void> none = transforms.value()->conclude({});
+    REQUIRE_FALSE(none.ok());
+    CHECK_THAT(none.error().message, Catch::Contains("no frame of the film has one"));
+    CHECK_FALSE(posix_storage().open(folder + "/transforms.json").ok());
+  }
+  REQUIRE((transforms.value()->finish().ok() && transforms.value()->conclude({}).ok()));
+  const auto read = test::read_transforms(folder + "/transforms.json");
+  REQUIRE(read.cameras.size() == 1);
+  CHECK(read.cameras.contains("0002.png"));
+  CHECK(read.json["hdrcam"]["frames_left_out"] == 2);
+}
+
+TEST_CASE("a run whose first frame has no pose, and no depth that tells of a film, ends there") {
+  const std::string folder = sample::scratch_folder("pose_files_no_pose");
+  auto transforms =
+      create_transforms(posix_storage(), folder + "/transforms.json", {folder + "/%04d.png", ""});
+  REQUIRE(transforms.ok());
+  HdrFrame frame = posed_frame(0);
+  frame.pose.reset();
+  const Result<void> refused = test::emit(*transforms.value(), frame);
+  REQUIRE_FALSE(refused.ok());
+  CHECK_THAT(refused.error().message, Catch::Contains("frame 0 has none and none is tracked"));
+}
+
 TEST_CASE("an exposure that was estimated is a ratio, and is not stated as a time") {
   const std::string folder = sample::scratch_folder("pose_files_estimated");
   auto transforms =
