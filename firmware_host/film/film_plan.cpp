@@ -94,8 +94,16 @@ Result<void> plan_exposure(const FilmOptions& options, const FilmedRecording& re
   return {};
 }
 
-Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording, bool tracked) {
-  if (!in_metres || (recording.has_poses && !tracked)) return {};
+// pose: the knob, empty where it is not set.
+Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording,
+                        std::string_view pose) {
+  if (!in_metres || (recording.has_poses && (pose.empty() || pose == "given"))) return {};
+  if (pose == "fixed")
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("{} is in metres, but a camera that is taken to stand still shows no length; leave out "
+                    "--set pose=fixed, or give it without a unit, such as 0.02",
+                    flag)};
   return Error{
       ErrorCode::Invalid,
       fmt::format("{} is in metres, but the poses are tracked and have no metres; give it in units of the "
@@ -116,10 +124,10 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
         ErrorCode::Invalid,
         fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
   plan.baseline = baseline.value;
-  const auto pose = fit.knobs.find("pose");
-  const bool tracked = pose != fit.knobs.end() && pose->second != "given";
-  TRY(check_unit("--view", plan.view.in_metres(), recording, tracked));
-  TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
+  const auto knob = fit.knobs.find("pose");
+  const std::string_view pose = knob != fit.knobs.end() ? std::string_view(knob->second) : "";
+  TRY(check_unit("--view", plan.view.in_metres(), recording, pose));
+  TRY(check_unit("--stereo", baseline.in_metres, recording, pose));
   const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;
   if (needs_depth && recording.kind == FilmedKind::SnapshotWithoutField)
     return Error{ErrorCode::Invalid,

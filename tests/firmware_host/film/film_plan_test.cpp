@@ -125,11 +125,16 @@ TEST_CASE("what cannot be filmed is refused in a sentence that names the flag an
 TEST_CASE("a length in metres needs a recording that has poses, and a view needs the field", "[film]") {
   FilmedRecording posed = kWalk;
   posed.has_poses = true;
-  Settings::Fit tracked, blind, state_alone;
-  tracked.knobs["pose"] = "tracked", blind.knobs["field"] = "none", state_alone.emit = EmitLayer::State;
+  Settings::Fit tracked, given, fixed, blind, state_alone;
+  tracked.knobs["pose"] = "tracked", given.knobs["pose"] = "given", fixed.knobs["pose"] = "fixed";
+  blind.knobs["field"] = "none", state_alone.emit = EmitLayer::State;
   CHECK(planned({.stereo = "63mm"}, posed).value().baseline == Approx(0.063));
   CHECK_THAT(refusal({.stereo = "63mm"}), Contains("--stereo is in metres, but the poses are tracked"));
   CHECK_THAT(refusal({.stereo = "63mm"}, posed, tracked), Contains("--stereo is in metres"));
+  CHECK(planned({.stereo = "63mm"}, posed, given).ok());
+  for (const FilmedRecording& recording : {kWalk, posed})
+    CHECK_THAT(refusal({.view = "63mm,0,0"}, recording, fixed),
+               Contains("--view is in metres") && Contains("leave out --set pose=fixed"));
   CHECK_THAT(refusal({.view = "0.1,0,0"}, kWalk, blind), Contains("--set field=none"));
   CHECK(planned({}, kWalk, blind).ok());
   CHECK_THAT(refusal({.view = "0.1,0,0"}, kWalk, state_alone), Contains("leave out --emit state"));
