@@ -40,6 +40,11 @@ bool EarlierFrames::remains(const std::string& path) const {
   return file != files_.end() && file->path == known && remains(*file);
 }
 
+bool EarlierFrames::has_new() const {
+  const EarlierFrames now(storage_, pattern_);
+  return std::ranges::any_of(now.files_, [this](const File& file) { return !remains(file.path); });
+}
+
 std::string EarlierFrames::warning() const {
   if (!listed_)
     return fmt::format("{}; whether files of an earlier run remain there is not known",
@@ -47,7 +52,7 @@ std::string EarlierFrames::warning() const {
   std::vector<std::string> left;
   for (const File& file : files_)
     if (remains(file)) left.push_back(file.path);
-  if (left.empty()) return "";
+  if (left.empty() || !has_new()) return "";
   return fmt::format(
       "{} file(s) of an earlier run remain beside the new ones, from '{}' to '{}'; remove them "
       "before '{}' is read as one clip",

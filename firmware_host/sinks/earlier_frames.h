@@ -30,8 +30,8 @@ class EarlierFrames {
 
   // Whether that file, of the pattern's folder, was there before the run and the run has not replaced it.
   bool remains(const std::string& path) const;
-  // After the run: a sentence about the files that it did not replace, or that they are not known; "" where
-  // there are none.
+  // After the run: a sentence about the files that lie beside its own, or that they are not known; "" where
+  // there are none, or where the run wrote none.
   std::string warning() const;
 
  private:
@@ -40,6 +40,7 @@ class EarlierFrames {
     FileFacts facts;  // before the run
   };
   bool remains(const File& file) const;
+  bool has_new() const;  // files that the run wrote
 
   Storage& storage_;
   const std::string pattern_;

@@ -70,3 +70,13 @@ TEST_CASE("files that the run replaced or that are gone are no remains, the othe
     CHECK_FALSE(earlier.remains(folder + name));
   for (const char* name : {"/000003.exr", "/0004.exr"}) CHECK(earlier.remains(folder + name));
 }
+
+TEST_CASE("a run that wrote no frame has none that earlier ones could be mixed with") {
+  const std::string folder = sample::scratch_folder("earlier_frames_alone");
+  for (const char* name : {"/000001.exr", "/000002.exr"}) put(folder + name);
+  const EarlierFrames earlier(posix_storage(), folder + "/%06d.exr");
+  put(folder + "/000003.png");
+  CHECK(earlier.warning().empty());
+  put(folder + "/000003.exr");
+  CHECK_THAT(earlier.warning(), Contains("2 file(s) of an earlier run remain beside the new ones"));
+}
