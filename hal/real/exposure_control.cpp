@@ -12,8 +12,8 @@ namespace hdrcam {
 ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
   v4l2_query_ext_ctrl answer{};
   answer.id = id;
-  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
-    return {};
+  constexpr std::uint32_t kFixed = V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_READ_ONLY;
+  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & kFixed) != 0) return {};
   return {id, answer.minimum, answer.maximum,
           std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
 }

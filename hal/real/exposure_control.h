@@ -54,7 +54,7 @@ class ExposureControl {
 
  private:
   struct Control {
-    std::uint32_t id = 0;  // 0: the device has none
+    std::uint32_t id = 0;  // 0: the device has none that can be set
     std::int64_t min = 0, max = 0, step = 1;
   };
   explicit ExposureControl(const DeviceNode& node) : node_(&node) {}

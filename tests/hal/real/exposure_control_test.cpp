@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <map>
+#include <set>
 
 #include "tests/contracts/expect.h"
 #include "tests/support/answered_ioctl.h"
@@ -24,6 +25,7 @@ struct SensorDriver {
                                                {V4L2_CID_VBLANK, 1000},
                                                {V4L2_CID_HBLANK, 160},
                                                {V4L2_CID_PIXEL_RATE, 24'000'000}};
+  std::set<std::uint32_t> fixed{V4L2_CID_HBLANK, V4L2_CID_PIXEL_RATE};  // that can only be read
 
   std::int64_t most(std::uint32_t id) const {
     return id == V4L2_CID_EXPOSURE ? kHeight + values.at(V4L2_CID_VBLANK) - 4 : 100'000'000;
@@ -36,11 +38,13 @@ struct SensorDriver {
     if (request == VIDIOC_QUERY_EXT_CTRL) {
       auto& asked = *static_cast<v4l2_query_ext_ctrl*>(argument);
       if (!values.contains(asked.id)) return EINVAL;
-      asked.minimum = 1, asked.maximum = most(asked.id), asked.step = 1, asked.flags = 0;
+      asked.minimum = 1, asked.maximum = most(asked.id), asked.step = 1;
+      asked.flags = fixed.contains(asked.id) ? V4L2_CTRL_FLAG_READ_ONLY : 0;
       return 0;
     }
     if (request == VIDIOC_S_CTRL) {
       const auto& control = *static_cast<v4l2_control*>(argument);
+      if (fixed.contains(control.id)) return EACCES;
       return values.contains(control.id) ? set(control.id, control.value), 0 : EINVAL;
     }
     if (request != VIDIOC_G_EXT_CTRLS && request != VIDIOC_S_EXT_CTRLS) return ENOTTY;
@@ -73,6 +77,30 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
     CHECK(std::abs((*fixed - frame).count()) < 40'000);
     require_done(control.write({.exposure = std::chrono::milliseconds(5), .analogue_gain = 2}));
   }
+  CHECK(driver.values != before);
+  control.give_back();
+  CHECK(driver.values == before);
+}
+
+TEST_CASE("controls that a driver lets nobody set stay as they are, and the frame duration is what it is") {
+  SensorDriver driver;
+  driver.values[V4L2_CID_AUTO_WHITE_BALANCE] = 1;
+  driver.fixed.insert({V4L2_CID_VBLANK, V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CID_ANALOGUE_GAIN});
+  const auto before = driver.values;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  ExposureControl control = ExposureControl::of_sensor(sensor, "imx415 10-001a");
+  require_done(control.take_over());
+  const auto fixed = value_of(control.fix_frame_duration(kWidth, kHeight, std::chrono::milliseconds(20)));
+  REQUIRE(fixed.has_value());
+  // 480 + 1000 lines of 33.3 us
+  CHECK(std::abs((*fixed - std::chrono::microseconds(49'333)).count()) < 1000);
+  CameraCapabilities camera;
+  control.describe(camera);
+  CHECK(camera.sets_exposure);
+  CHECK(camera.gain_max == 1);
+  require_done(control.write({.exposure = std::chrono::milliseconds(5)}));
   CHECK(driver.values != before);
   control.give_back();
   CHECK(driver.values == before);
