@@ -1,6 +1,7 @@
 #include "hal/real/exposure_control.h"
 
 #include <linux/v4l2-controls.h>
+#include <linux/v4l2-subdev.h>
 #include <linux/videodev2.h>
 
 #include <algorithm>
@@ -35,6 +36,10 @@ ExposureControl ExposureControl::of_sensor(const DeviceNode& sensor, const std::
   control.gain_ = control.query(V4L2_CID_ANALOGUE_GAIN);
   control.gain_codes_ = gain_codes_of(name, static_cast<double>(control.gain_.min));
   control.shutter_ = shutter_of(name);
+  v4l2_subdev_format picture{};  // as it is now
+  picture.which = V4L2_SUBDEV_FORMAT_ACTIVE;
+  if (sensor.ask(VIDIOC_SUBDEV_G_FMT, &picture) == 0)
+    control.unit_ns_ = control.line_ns(picture.format.width).value_or(control.unit_ns_);
   return control;
 }
 
@@ -93,17 +98,23 @@ void ExposureControl::give_back() {
   found_.clear();
 }
 
+std::optional<double> ExposureControl::line_ns(std::int64_t width) const {
+  const auto pixel_rate = value(V4L2_CID_PIXEL_RATE), hblank = value(V4L2_CID_HBLANK);
+  if (!pixel_rate || !hblank || *pixel_rate <= 0) return std::nullopt;
+  return static_cast<double>(width + *hblank) / static_cast<double>(*pixel_rate) * 1e9;
+}
+
 Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, int height, Duration wanted) {
   if (!sensor_ || !exists()) return std::optional<Duration>();
-  const auto pixel_rate = value(V4L2_CID_PIXEL_RATE), hblank = value(V4L2_CID_HBLANK);
-  if (!pixel_rate || !hblank || *pixel_rate <= 0)
+  const auto line = line_ns(width);
+  if (!line)
     return Error{
         ErrorCode::Unsupported,
         fmt::format(
             "sensor '{}' does not report how long a line lasts (no pixel rate or blanking control), so its "
             "exposure has no unit",
             node_->path())};
-  unit_ns_ = static_cast<double>(width + *hblank) / static_cast<double>(*pixel_rate) * 1e9;
+  unit_ns_ = *line;
   const Control vblank = query(V4L2_CID_VBLANK);
   std::int64_t blank_lines = value(V4L2_CID_VBLANK).value_or(0);
   if (vblank.id != 0) {

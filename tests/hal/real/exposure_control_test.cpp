@@ -2,6 +2,7 @@
 #include "hal/real/exposure_control.h"
 
 #include <linux/v4l2-controls.h>
+#include <linux/v4l2-subdev.h>
 #include <linux/videodev2.h>
 
 #include <algorithm>
@@ -42,6 +43,8 @@ struct SensorDriver {
       asked.flags = fixed.contains(asked.id) ? V4L2_CTRL_FLAG_READ_ONLY : 0;
       return 0;
     }
+    if (request == VIDIOC_SUBDEV_G_FMT)
+      return static_cast<v4l2_subdev_format*>(argument)->format.width = kWidth, 0;
     if (request == VIDIOC_S_CTRL) {
       const auto& control = *static_cast<v4l2_control*>(argument);
       if (fixed.contains(control.id)) return EACCES;
@@ -80,6 +83,19 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
   CHECK(driver.values != before);
   control.give_back();
   CHECK(driver.values == before);
+}
+
+TEST_CASE("the limits of a sensor's exposure are times before it is configured, too") {
+  SensorDriver driver;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  CameraCapabilities camera;
+  ExposureControl::of_sensor(sensor, "imx219 10-0010").describe(camera);
+  // a line is 640 + 160 pixels at 24 MHz
+  CHECK(camera.exposure_step == Duration(33'333));
+  CHECK(camera.exposure_min == Duration(33'333));
+  CHECK(camera.exposure_max == Duration(49'200'000));  // 480 + 1000 - 4 of them
 }
 
 TEST_CASE("controls that a driver lets nobody set stay as they are, and the frame duration is what it is") {
