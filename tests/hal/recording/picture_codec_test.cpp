@@ -2,6 +2,7 @@
 #include "hal/recording/picture_codec.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "tests/hal/recording/sample_recordings.h"
 
@@ -38,6 +39,31 @@ TEST_CASE("a flipped bit in a coded picture is noticed by the decoder itself, fr
     packet->data[byte] ^= 0x10;
   }
   CHECK(noticed == flips);
+}
+
+TEST_CASE("FFV1 takes pictures that are too large for four slices") {
+  for (const auto& [layout, bits, width, height] :
+       {std::tuple{PixelLayout::Rgb, 8, 7680, 4320}, std::tuple{PixelLayout::BayerRggb, 16, 6200, 5800}}) {
+    const auto encoder =
+        PictureEncoder::open(sample::camera(layout, bits, width, height), RecordingCodec::Ffv1);
+    INFO(width << "x" << height << ", " << bits << " bits");
+    CHECK(sample::error_of(encoder).message == "no error");
+  }
+}
+
+TEST_CASE("FFV1 keeps pictures that are short and wide, or narrow and high") {
+  for (const auto& [width, height] : {std::pair{640, 60}, {4, 353}, {63, 289}, {352, 63}, {63, 288}}) {
+    CAPTURE(width, height);
+    const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, width, height);
+    const auto frames = sample::frames(camera, 1, 5);
+    PictureEncoder encoder = value_of(PictureEncoder::open(camera, RecordingCodec::Ffv1));
+    Parameters parameters;
+    REQUIRE(avcodec_parameters_from_context(parameters.codec, encoder.context()) >= 0);
+    const AVPacket* packet = value_of(encoder.encode(frames[0].codes));
+    Image<std::uint16_t> codes;
+    require_done(value_of(PictureDecoder::open(camera, *parameters.codec)).decode(*packet, codes));
+    CHECK(sample::same(codes, frames[0].codes));
+  }
 }
 
 TEST_CASE("a program that knows nothing of this one finds red where the format has it") {
