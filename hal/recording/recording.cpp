@@ -7,9 +7,12 @@ namespace hdrcam {
 std::string_view name(RecordingCodec codec) { return codec == RecordingCodec::Ffv1 ? "ffv1" : "huffyuv"; }
 
 std::string LeftOut::sentence() const {
-  if (count == 0) return reason.empty() ? "" : fmt::format("damaged, but no frame is lost ({})", reason);
-  return fmt::format("{} damaged frame(s) left out: {}{} ({})", count, fmt::join(places, ", "),
-                     count > places.size() ? " .." : "", reason);
+  if (count == 0 && reason.empty()) return "";
+  const char* const end = end_is_missing ? ", and frames may be lost at the end" : "";
+  if (count == 0)
+    return fmt::format("damaged{} ({})", end_is_missing ? end : ", but no frame is lost", reason);
+  return fmt::format("{} damaged frame(s) left out: {}{}{} ({})", count, fmt::join(places, ", "),
+                     count > places.size() ? " .." : "", end, reason);
 }
 
 std::string told_of_behind(const RecordingReader& reader) {

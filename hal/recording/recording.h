@@ -43,6 +43,7 @@ struct LeftOut {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> places;  // the first of them: 0, 1, 2 .. in the file
   std::string reason;                 // of the first; with a count of 0: why the file is damaged all the same
+  bool end_is_missing = false;  // with it how many frames there were: some behind the last one may be lost
 
   // "2 damaged frame(s) left out: 20, 21 (the checksum ..)"; empty for a sound file.
   std::string sentence() const;

@@ -279,6 +279,35 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
 }
 
+TEST_CASE("where the end of a recording is overwritten nobody says that no frame is lost") {
+  const Sample made = small_recording("blank_end");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  std::vector<std::size_t> clusters;
+  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
+    clusters.push_back(at);
+  REQUIRE(clusters.size() == 5);               // four frames and the end record
+  const bool besides = GENERATE(false, true);  // frame 1 is damaged, too
+  CAPTURE(besides);
+  std::string blanked = bytes;
+  std::fill(blanked.begin() + static_cast<long>(clusters[3]), blanked.end(), '\0');
+  if (besides) blanked[bytes.find("\"index\":1", clusters[1]) + 8] = '7';
+  write_file(made.path, blanked);
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  CHECK_FALSE(reader.value()->frame_count());
+  int read = 0;
+  for (;; ++read) {
+    const auto frame = reader.value()->next();
+    REQUIRE(frame.ok());
+    if (!frame.value()) break;
+  }
+  CHECK(read == (besides ? 2 : 3));
+  const LeftOut& left_out = reader.value()->left_out();
+  CHECK(left_out.count == (besides ? 1 : 0));
+  CHECK(left_out.sentence().find("frames may be lost at the end") != std::string::npos);
+  CHECK(left_out.sentence().find("no frame is lost") == std::string::npos);
+}
+
 TEST_CASE("frames of another recording that was put behind a cut one are none of its frames") {
   const Sample made = small_recording("spliced"), other = small_recording("spliced_other");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
