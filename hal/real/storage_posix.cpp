@@ -1,5 +1,6 @@
 // The file system behind Storage: every error of the kernel becomes a sentence with the path in it.
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -92,6 +93,10 @@ class PosixFile : public StorageFile {
     while (done < bytes.size()) {
       const ssize_t n = write_some(offset + done, bytes.subspan(done));
       if (n < 0 && errno == EINTR) continue;
+      if (n < 0 && errno == EAGAIN) {
+        wait_for_room();
+        continue;
+      }
       if (n < 0) return error_of(errno, "write", path_);
       done += static_cast<std::size_t>(n);
     }
@@ -127,6 +132,12 @@ class PosixFile : public StorageFile {
     const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
     if (n > 0) streamed_ += static_cast<std::uint64_t>(n);
     return n;
+  }
+
+  // Whoever started the program may have given it a pipe or a terminal that does not block.
+  void wait_for_room() const {
+    pollfd full{fd_, POLLOUT, 0};
+    (void)::poll(&full, 1, -1);
   }
 
   int fd_;

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <string_view>
 #include <thread>
 
+#include "hal/standard_output.h"
 #include "hal/storage.h"
 #include "tests/support/scratch_folder.h"
 
@@ -102,6 +104,30 @@ TEST_CASE("a FIFO is written through, not replaced") {
   CHECK(read == "statistics");
   CHECK(fs::is_fifo(fifo));
   CHECK_FALSE(FileInMaking::beside(posix_storage(), fifo).ok());
+}
+
+TEST_CASE("a standard output that does not block is waited for") {
+  std::array<int, 2> ends{};
+  REQUIRE(::pipe2(ends.data(), O_CLOEXEC) == 0);
+  REQUIRE(::fcntl(ends[1], F_SETFL, O_NONBLOCK) == 0);
+  const int before = ::dup(STDOUT_FILENO);
+  ::dup2(ends[1], STDOUT_FILENO), ::close(ends[1]);
+  auto output = standard_output();
+  ::dup2(before, STDOUT_FILENO), ::close(before);
+  const std::string sent(1 << 20, 'x');  // more than a pipe holds
+  std::string read;
+  std::thread reader([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::array<char, 4096> buffer{};
+    for (ssize_t n; (n = ::read(ends[0], buffer.data(), buffer.size())) > 0;)
+      read.append(buffer.data(), static_cast<std::size_t>(n));
+    ::close(ends[0]);
+  });
+  const Result<void> written = output->write_at(0, bytes_of(sent));
+  output.reset();
+  reader.join();
+  require_done(written);
+  CHECK(read == sent);
 }
 
 TEST_CASE("a device is written through, not replaced") {
