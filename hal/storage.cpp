@@ -12,8 +12,9 @@ std::string unpredictable_name_beside(const std::string& path) {
   std::random_device random;
   const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
   const std::filesystem::path beside(path);
-  return (beside.parent_path() / fmt::format(".{}.{:016x}.part", beside.filename().string(), number))
-      .string();
+  constexpr std::size_t kLongest = 255 - 23;  // bytes of a name that leave room for what is added
+  const std::string name = beside.filename().string().substr(0, kLongest);
+  return (beside.parent_path() / fmt::format(".{}.{:016x}.part", name, number)).string();
 }
 
 }  // namespace

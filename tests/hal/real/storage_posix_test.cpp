@@ -76,6 +76,13 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
   CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
 }
 
+TEST_CASE("a name may be as long as the file system takes") {
+  const ScratchFolder folder;
+  const std::string longest(255, 'n');
+  require_done(write_whole(posix_storage(), folder / longest.c_str(), bytes_of("all of it")));
+  CHECK(test::text_of(folder / longest.c_str()) == "all of it");
+}
+
 TEST_CASE("an error of a file in the making names the file that was asked for") {
   const ScratchFolder folder;
   fs::create_symlink("take1.mkv", folder / "latest.mkv");
