@@ -164,8 +164,13 @@ class PosixStorage : public Storage {
     return opened(path, O_RDWR | O_CREAT | O_TRUNC, "write");
   }
   Result<void> rename(const std::string& from, const std::string& to) override {
+    // of a file system with one owner for all its files (FAT, CIFS) nobody else may set even what is there
+    constexpr mode_t kPermissions = 07777;
     struct stat replaced {};
-    if (::stat(to.c_str(), &replaced) == 0 && ::chmod(from.c_str(), replaced.st_mode & 07777) != 0)
+    struct stat made {};
+    if (::stat(to.c_str(), &replaced) == 0 && ::stat(from.c_str(), &made) == 0 &&
+        ((replaced.st_mode ^ made.st_mode) & kPermissions) != 0 &&
+        ::chmod(from.c_str(), replaced.st_mode & kPermissions) != 0)
       return error_of(errno, "write", to);
     if (std::rename(from.c_str(), to.c_str()) != 0) return error_of(errno, "write", to);
     return {};

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <string_view>
@@ -15,6 +16,19 @@
 #include "tests/support/scratch_folder.h"
 
 #include "tests/support/files.h"
+
+namespace {
+
+thread_local bool sets_no_permissions = false;  // as a file system does whose files are all somebody else's
+
+}  // namespace
+
+// Takes the place of the C library's.
+extern "C" int chmod(const char* path, mode_t mode) noexcept {
+  if (!sets_no_permissions) return ::fchmodat(AT_FDCWD, path, mode, 0);
+  errno = EPERM;
+  return -1;
+}
 
 namespace hdrcam {
 namespace {
@@ -57,6 +71,21 @@ TEST_CASE("a file that is replaced keeps its permissions") {
   struct stat status {};
   REQUIRE(stat((folder / "secret").c_str(), &status) == 0);
   CHECK((status.st_mode & 07777) == 0600);
+}
+
+TEST_CASE("a file is replaced where nobody may set permissions, if they are the same already") {
+  const ScratchFolder folder;
+  require_done(write_whole(posix_storage(), folder / "one", bytes_of("old")));
+  require_done(write_whole(posix_storage(), folder / "secret", bytes_of("old")));
+  REQUIRE(chmod((folder / "secret").c_str(), 0600) == 0);
+  sets_no_permissions = true;
+  const auto same = write_whole(posix_storage(), folder / "one", bytes_of("new"));
+  const auto other = write_whole(posix_storage(), folder / "secret", bytes_of("new"));
+  sets_no_permissions = false;
+  require_done(same);
+  CHECK(test::text_of(folder / "one") == "new");
+  require_error(other, ErrorCode::Permission);
+  CHECK(test::text_of(folder / "secret") == "old");
 }
 
 TEST_CASE("a file where a folder is needed is named, and so is a folder that takes no files") {
