@@ -309,8 +309,8 @@ MatroskaReader::Advance MatroskaReader::search() {
     if (frame.value()) return frame;
     if (scan_found_end_) return frame;
   }
-  if (!container_.whole) return ended();
   left_out_.end_is_missing = !count_;
+  if (!container_.whole) return ended();
   leave_out(frames_, static_cast<std::uint64_t>(std::max(0, count_.value_or(0))), left_out_.reason);
   return std::optional<FrameFacts>();
 }

@@ -308,6 +308,22 @@ TEST_CASE("where the end of a recording is overwritten nobody says that no frame
   CHECK(left_out.sentence().find("no frame is lost") == std::string::npos);
 }
 
+TEST_CASE("where a recording was cut and is damaged besides nobody says so either") {
+  const Sample made = small_recording("cut_and_damaged");
+  std::string bytes = read_whole(posix_storage(), made.path).value();
+  bytes[bytes.find("\"index\":1") + 8] = '0';  // the frame behind it is cut, too: nothing proves the loss
+  std::size_t cluster = 0;                     // the third
+  for (int i = 0; i < 3; ++i) cluster = bytes.find("\x1f\x43\xb6\x75", cluster + 1);
+  write_file(made.path, bytes.substr(0, cluster + 40));
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  REQUIRE(value_of(reader.value()->next()).has_value());
+  const auto end = reader.value()->next();
+  REQUIRE_FALSE(end.ok());
+  CHECK(end.error().code == ErrorCode::Truncated);
+  CHECK(reader.value()->left_out().sentence().find("frames may be lost at the end") != std::string::npos);
+}
+
 TEST_CASE("frames of another recording that was put behind a cut one are none of its frames") {
   const Sample made = small_recording("spliced"), other = small_recording("spliced_other");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
