@@ -27,6 +27,7 @@ struct Container {
   std::unique_ptr<StorageStream> stream;  // outlives the demuxer
   std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
   bool whole = false;        // finished, and not truncated since
+  std::uint64_t end = 0;     // where it ends, if it is whole
   std::uint64_t behind = 0;  // bytes of another Matroska file that follows this one
 
   std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
@@ -85,6 +86,7 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   StorageFile& file = container.stream->file();
   const std::optional<std::uint64_t> end = TRY(end_of_whole(file));
   container.whole = end.has_value();
+  container.end = end.value_or(0);
   if (end) container.behind = TRY(bytes_behind(file, *end));
   AVFormatContext* demuxer = avformat_alloc_context();
   HDRCAM_CHECK(demuxer != nullptr);
@@ -129,8 +131,8 @@ std::string_view text_of(const AVPacket& packet) {
   return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
 
-// The number of frames, from the end record, which the index locates. It opens its own container, because it
-// seeks.
+// The number of frames, from the end record, which the index locates; another recording that was put in the
+// place of a lost end has its own. It opens its own container, because it seeks.
 std::optional<int> count_frames(Storage& storage, const std::string& path, const CameraFacts& camera) {
   auto container = open_container(storage, path);
   if (!container) return std::nullopt;
@@ -141,6 +143,7 @@ std::optional<int> count_frames(Storage& storage, const std::string& path, const
     if (packet->stream_index != matroska::kFactsTrack || !seal_holds(text_of(*packet), {})) continue;
     const auto record = record_from_json(text_of(*packet), camera.bits);
     if (!record || !record.value().is_end) continue;
+    if (packet->pos < 0 || static_cast<std::uint64_t>(packet->pos) >= container->end) return std::nullopt;
     const std::uint64_t frames = record.value().index;
     return std::in_range<int>(frames) ? std::optional(static_cast<int>(frames)) : std::nullopt;
   }
