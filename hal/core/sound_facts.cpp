@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -17,7 +18,34 @@ constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
 constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
 constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
 constexpr double kLongestReadout_s = 10;
+constexpr std::size_t kResponseCodes = 256;
+constexpr double kMostRelativeExposure = 1e12;
 constexpr Duration kLatest = std::chrono::seconds(static_cast<std::int64_t>(kLatest_s));
+
+std::optional<std::string> objection_to_response(const std::vector<std::vector<double>>& curves) {
+  constexpr const char* kChannels[] = {"red", "green", "blue"};
+  if (curves.size() != std::size(kChannels))
+    return fmt::format("the response has {} curves; one each of red, green and blue is needed",
+                       curves.size());
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const std::vector<double>& curve = curves[c];
+    if (curve.size() != kResponseCodes)
+      return fmt::format("the response of {} has {} exposures; one for each of {} codes is needed",
+                         kChannels[c], curve.size(), kResponseCodes);
+    for (std::size_t code = 0; code < curve.size(); ++code) {
+      if (!is_within(curve[code], 0, kMostRelativeExposure))
+        return fmt::format("the response of {} is {:g} at code {}; 0 to {:g} are possible", kChannels[c],
+                           curve[code], code, kMostRelativeExposure);
+      if (code > 0 && curve[code] < curve[code - 1])
+        return fmt::format(
+            "the response of {} falls at code {}, from {:.9g} to {:.9g}; a brighter code never "
+            "means less light",
+            kChannels[c], code, curve[code - 1], curve[code]);
+    }
+    if (curve.back() == 0) return fmt::format("the response of {} is 0 at every code", kChannels[c]);
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -70,6 +98,8 @@ std::optional<std::string> objection_to(const CameraFacts& camera) {
                        camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
   if (camera.white_balance)
     if (auto objection = objection_to(*camera.white_balance)) return objection;
+  if (!camera.response.empty())
+    if (auto objection = objection_to_response(camera.response)) return objection;
   if (camera.intrinsics) return objection_to(*camera.intrinsics, camera.width, camera.height);
   return std::nullopt;
 }

@@ -27,7 +27,8 @@ std::optional<std::string> objection_to(const PoseMatrix& T_world_camera);
 // Gains of a white balance, 1/64 to 64.
 std::optional<std::string> objection_to(const ChannelGains& gains);
 
-// What can be filmed at all: the lens, the white balance, and 0.001 to 100000 frames a second.
+// What can be filmed at all: the lens, the white balance, 0.001 to 100000 frames a second, and a response,
+// where one is stated, of three curves of 256 exposures, 0 to 1e12, that never fall and end above 0.
 std::optional<std::string> objection_to(const CameraFacts& camera);
 
 // The frame's own pose and black level (0 to below the largest code), an exposure of at most a day and gains

@@ -48,6 +48,14 @@ std::string_view non_number(const Json& value) {
   return word == kNonNumbers.end() ? "" : *word;
 }
 
+// The value, shortened, for a message.
+std::string shown_value(const Json& value) {
+  if (const std::string_view word = non_number(value); !word.empty()) return std::string(word);
+  std::string text = json_text(value);
+  if (text.size() > 40) text.resize(40), text += "..";
+  return text;
+}
+
 Result<Json> parsed(std::string& text, const std::string& path) {
   if (nests_too_deep(text))
     return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} arrays and objects in each other; a "
@@ -73,14 +81,9 @@ class Fields {
 
   const std::string& where() const { return where_; }
   bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-  // The value of the field, shortened, for a message.
+  // What the field is, for a message.
   std::string shown(const char* key) const {
-    if (!has(key)) return "missing";
-    if (const std::string_view word = non_number(object_.at(key)); !word.empty())
-      return fmt::format("is {}", word);
-    std::string text = json_text(object_.at(key));
-    if (text.size() > 40) text.resize(40), text += "..";
-    return "is " + text;
+    return has(key) ? "is " + shown_value(object_.at(key)) : "missing";
   }
   Error wrong(const char* key, std::string_view expected, ErrorCode code = ErrorCode::Invalid) const {
     return {code, fmt::format("{}: '{}' {}; {}", where_, key, shown(key), expected)};
@@ -135,6 +138,22 @@ class Fields {
   std::string where_;
 };
 
+Result<std::vector<std::vector<double>>> response_of(const Fields& clip) {
+  const Json& rows = clip.at("response");
+  const auto is_curve = [](const Json& row) { return row.is_array() && row.size() == 256; };
+  if (!rows.is_array() || rows.size() != 3 || !std::all_of(rows.begin(), rows.end(), is_curve))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{}: 'response' must be three rows of 256 numbers", clip.where())};
+  constexpr const char* kChannels[] = {"red", "green", "blue"};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t code = 0; code < rows[c].size(); ++code)
+      if (const Json& value = rows[c][code]; !value.is_number())
+        return Error{ErrorCode::Invalid,
+                     fmt::format("{}: the response of {} is {} at code {}; a number is needed", clip.where(),
+                                 kChannels[c], shown_value(value), code)};
+  return rows.get<std::vector<std::vector<double>>>();
+}
+
 Result<CameraFacts> camera_of(const Fields& clip) {
   CameraFacts camera;
   if (clip.has("name")) camera.name = clip.at("name").is_string() ? clip.at("name").get<std::string>() : "";
@@ -163,18 +182,9 @@ Result<CameraFacts> camera_of(const Fields& clip) {
     const auto gains = TRY(clip.numbers("white_balance", 3));
     std::copy(gains.begin(), gains.end(), camera.white_balance.emplace().begin());
   }
+  if (clip.has("response")) camera.response = TRY(response_of(clip));
   if (const auto objection = objection_to(camera))
     return Error{ErrorCode::Invalid, fmt::format("{}: {}", clip.where(), *objection)};
-  if (clip.has("response")) {
-    const Json& rows = clip.at("response");
-    if (!rows.is_array() || rows.size() != 3)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{}: 'response' must be three rows of 256 numbers", clip.where())};
-    for (const Json& row : rows) {
-      const Json wrapped = {{"response", row}};
-      camera.response.push_back(TRY(Fields(wrapped, clip.where()).numbers("response", 256)));
-    }
-  }
   return camera;
 }
 

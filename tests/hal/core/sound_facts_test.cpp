@@ -1,8 +1,10 @@
 #include "hal/core/sound_facts.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -132,6 +134,35 @@ TEST_CASE("a white balance has gains that a camera can have") {
   }
   camera.white_balance = ChannelGains{2, 1, 1.5};
   CHECK_FALSE(objection_to(camera));
+}
+
+TEST_CASE("a response has three curves of 256 finite exposures that never fall") {
+  CameraFacts camera;
+  camera.width = 320, camera.height = 240;
+  std::vector<double> curve(256);
+  for (std::size_t code = 0; code < curve.size(); ++code) curve[code] = static_cast<double>(code / 2);
+  camera.response = {curve, curve, curve};
+  CHECK_FALSE(objection_to(camera));
+  const auto objects = [&](std::initializer_list<const char*> words) {
+    const auto objection = objection_to(camera);
+    REQUIRE(objection);
+    INFO(*objection);
+    for (const char* word : words) CHECK(objection->find(word) != std::string::npos);
+  };
+  for (const double value : {kNan, HUGE_VAL, -1e-9, 1e300}) {
+    camera.response = {curve, curve, curve};
+    camera.response[1][77] = value;
+    objects({"green", "77"});
+  }
+  camera.response = {curve, curve, curve};
+  camera.response[2][200] -= 2;
+  objects({"blue", "falls", "200"});
+  camera.response = {curve, std::vector<double>(256), curve};
+  objects({"green", "0 at every code"});
+  camera.response = {curve, curve};
+  objects({"2 curves"});
+  camera.response = {curve, curve, {0, 1}};
+  objects({"blue", "2 exposures", "256"});
 }
 
 }  // namespace

@@ -273,6 +273,32 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
         ErrorCode::NotFound);
 }
 
+TEST_CASE("a response that cannot be one is refused by its file, channel and code") {
+  const ClipFolder folder;
+  // Whose green has this at code 9.
+  const auto refused = [&](const std::string& value, std::initializer_list<const char*> words) {
+    const auto curve = [](const std::string& ninth) {
+      std::string text = "[";
+      for (int code = 0; code < 256; ++code)
+        text += (code == 0 ? "" : ",") + (code == 9 ? ninth : fmt::format("{}", code / 255.0));
+      return text + "]";
+    };
+    const std::string plain = curve("0.0353");
+    folder.write(
+        fmt::format("{},\"response\":[{},{},{}]", kHead, plain, curve(value), plain),
+        {R"("file":"0.png","time_s":0,"exposure_s":1)", R"("file":"1.png","time_s":1,"exposure_s":1)"});
+    const Error error = folder.error();
+    CHECK(error.code == ErrorCode::Invalid);
+    CHECK(says(error, words));
+  };
+  refused("0.001", {"clip.json", "green", "falls at code 9"});
+  refused("-1", {"clip.json", "green", "-1 at code 9"});
+  refused("NaN", {"clip.json", "green", "NaN at code 9"});
+  refused("Infinity", {"clip.json", "green", "Infinity at code 9"});
+  refused("null", {"clip.json", "green", "null at code 9"});
+  refused("\"x\"", {"clip.json", "green", "\"x\" at code 9"});
+}
+
 TEST_CASE("codes of 9 to 16 bits are read from the upper bits or from the full scale of a 16-bit image") {
   for (const int bits : {8, 9, 10, 12, 14, 16}) {
     INFO(bits << " bits");

@@ -43,6 +43,23 @@ TEST_CASE("a recording gives back every bit of every frame, in every codec, layo
       }
 }
 
+TEST_CASE("a recording whose stated response falls or is not finite is refused by its channel and code") {
+  const std::string path = sample::scratch_folder("falling") + "/x.mkv";
+  for (const double value : {0.001, std::numeric_limits<double>::quiet_NaN()}) {
+    CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 32, 24);
+    camera.response.assign(3, std::vector<double>(256));
+    for (auto& curve : camera.response)
+      for (std::size_t code = 0; code < 256; ++code) curve[code] = static_cast<double>(code) / 255;
+    camera.response[2][9] = value;
+    REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 3, 1)).ok());
+    const Error error = sample::error_of(open_recording(posix_storage(), path));
+    INFO(error.message);
+    CHECK(error.code == ErrorCode::Corrupt);
+    for (const std::string word : {path.c_str(), "blue", "code 9"})
+      CHECK(error.message.find(word) != std::string::npos);
+  }
+}
+
 TEST_CASE("a recording gives back the camera facts and knows how many frames it has") {
   const std::string path = sample::scratch_folder("camera") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::BayerGrbg, 10, 37, 23);
