@@ -12,8 +12,8 @@ std::optional<Response> known_response(const CameraFacts& camera) {
   std::array<Response::Curve, 3> inverse{};
   for (std::size_t c = 0; c < 3; ++c) {
     if (camera.response[c].size() != Response::kCodes) return std::nullopt;
-    for (std::size_t z = 0; z < Response::kCodes; ++z)
-      inverse[c][z] = static_cast<float>(camera.response[c][z]);
+    for (std::size_t z = 0; z < Response::kCodes; ++z)  // before Response, whose least step is of exposure 1
+      inverse[c][z] = static_cast<float>(camera.response[c][z] / camera.response[c].back());
   }
   return Response(inverse);
 }

@@ -87,6 +87,19 @@ double dark_error_stops(const test::MovingScene& scene, const Emitted& emitted, 
   return sum / static_cast<double>(logs.size());
 }
 
+TEST_CASE("a stated response is the same in any unit of exposure") {
+  const test::MovingScene scene;
+  const Response truth = Response::gamma(scene.gamma);
+  WorkerPool pool(1);
+  for (const double unit : {1e-6, 1., 1e6}) {
+    CameraFacts camera = calibrated(scene);
+    for (auto& curve : camera.response)
+      for (double& exposure : curve) exposure *= unit;
+    const Pipeline pipeline(options_of(Preset::Realtime, EmitLayer::State), camera, pool);
+    CHECK(response_error(pipeline.online().sensor().response(), truth) < 1e-3);
+  }
+}
+
 TEST_CASE("each preset takes its steps of the fit on every frame, and they change the field's picture") {
   const test::MovingScene scene;
   const auto frames = frames_of(scene, 8);
