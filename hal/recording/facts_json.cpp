@@ -146,6 +146,8 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
     if (!layout) return Error{ErrorCode::Corrupt, "the camera facts name an unknown pixel layout"};
     camera.layout = *layout;
     return camera;
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", json_reason(e))};
   } catch (const std::exception& e) {
     return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", e.what())};
   }
@@ -165,6 +167,8 @@ Result<FactsRecord> record_from_json(std::string_view text, int bits) {
         return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown verdict on its exposure"};
     }
     return record;
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", json_reason(e))};
   } catch (const std::exception& e) {
     return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", e.what())};
   }

@@ -28,6 +28,23 @@ TEST_CASE("a whole number of the facts that is none, or beyond its range, is ref
   require_error(record_from_json(facts_with("flags", "4294967296"), 8), ErrorCode::Corrupt);
 }
 
+TEST_CASE(
+    "facts that cannot be read are called by what is wrong with them, without the words of the library") {
+  const auto says = [](const auto& read, const std::string& wanted) {
+    REQUIRE_FALSE(read.ok());
+    INFO(read.error().message);
+    CHECK(read.error().message.ends_with(wanted));
+    CHECK(read.error().message.find("exception") == std::string::npos);
+  };
+  says(record_from_json("{}", 8), "the facts of a frame cannot be read: key 'index' not found");
+  says(record_from_json(facts_with("slot", "[[1], 2]"), 8),
+       ": [[1],2] where a whole number within its range is needed");
+  says(camera_from_json(R"({"format":"hdrcam recording","version":1})"),
+       "the camera facts cannot be read: key 'name' not found");
+  says(camera_from_json(R"({"format":"hdrcam recording","version":1,"name":3})"),
+       "the camera facts cannot be read: type must be string, but is number");
+}
+
 TEST_CASE("facts that nest without end are refused without running out of stack") {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   require_error(record_from_json(facts_with("slot", deep), 8), ErrorCode::Corrupt);
