@@ -121,6 +121,8 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
     return Error{
         ErrorCode::Invalid,
         fmt::format("'{}' is no JSON array of poses, such as [{{\"time_s\": 0, \"dx\": 0.1}}]", path)};
+  if (const auto name = repeated_key<nlohmann::json>(text))
+    return Error{ErrorCode::Invalid, fmt::format("{}: a pose names {} twice; name it once", path, *name)};
   std::vector<Row> rows;
   for (const auto& entry : json) {
     const std::string where = fmt::format("{}, pose {}", path, rows.size());

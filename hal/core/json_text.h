@@ -4,8 +4,11 @@
 #pragma once
 
 #include <exception>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hdrcam {
 
@@ -34,6 +37,24 @@ template <class Json>
 Json parsed_json(std::string_view text) {
   if (nests_too_deep(text)) return Json(Json::value_t::discarded);
   return Json::parse(text, nullptr, false);
+}
+
+// The first key, if any, that one object of a JSON text has twice: the library keeps the last value and says
+// nothing. Json: as below.
+template <class Json>
+std::optional<std::string> repeated_key(std::string_view text) {
+  using Event = typename Json::parse_event_t;
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::optional<std::string> repeated;
+  const auto look = [&](int, Event event, Json& value) {
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    if (event == Event::key && !keys.back().insert(value.template get<std::string>()).second && !repeated)
+      repeated = value.template get<std::string>();
+    return true;
+  };
+  if (Json::parse(text, look, false).is_discarded()) return std::nullopt;
+  return repeated;
 }
 
 // What is wrong, of an exception of the library: its message without its own number and position.

@@ -63,7 +63,11 @@ Result<Json> parsed(std::string& text, const std::string& path) {
                                                  path, kDeepestJson)};
   quote_non_numbers(text);
   try {
-    return Json::parse(text);
+    Json json = Json::parse(text);
+    if (const auto key = repeated_key<Json>(text))
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' names '{}' twice in one object; name it once", path, *key)};
+    return json;
   } catch (const Json::parse_error& e) {
     const std::size_t byte = std::min(e.byte, text.size());
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');

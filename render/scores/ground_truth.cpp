@@ -19,6 +19,9 @@ Result<nlohmann::json> read_json(Storage& storage, const std::string& path) {
   auto json = parsed_json<nlohmann::json>(text);
   if (json.is_discarded())
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is not JSON; make the clip again", path)};
+  if (const auto key = repeated_key<nlohmann::json>(text))
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' names '{}' twice in one object; name it once", path, *key)};
   return json;
 }
 

@@ -52,10 +52,13 @@ HttpAnswer answer_of(const Error& error) {
 
 HttpAnswer no_camera() { return http_error(409, "this run has no camera"); }
 
-// The JSON object in a body; null where there is none.
-nlohmann::json object_in(const HttpRequest& request) {
+// The JSON object in a body; null where there is none. Errors: Invalid where it names a key twice.
+Result<nlohmann::json> object_in(const HttpRequest& request) {
   auto json = parsed_json<nlohmann::json>(request.body);
-  return json.is_object() ? json : nlohmann::json();
+  if (!json.is_object()) return nlohmann::json();
+  if (const auto key = repeated_key<nlohmann::json>(request.body))
+    return Error{ErrorCode::Invalid, fmt::format("the body names '{}' twice; name it once", *key)};
+  return json;
 }
 
 HttpAnswer json_answer(const std::string& text) { return {.body = http_body(text)}; }
@@ -175,7 +178,9 @@ HttpAnswer LiveView::pixel(const HttpRequest& request) {
 
 HttpAnswer LiveView::record(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const nlohmann::json body = object_in(request);
+  const Result<nlohmann::json> sent = object_in(request);
+  if (!sent) return answer_of(sent.error());
+  const nlohmann::json& body = sent.value();
   if (!body.contains("on") || !body["on"].is_boolean())
     return http_error(400, "send {\"on\": true} or {\"on\": false}");
   if (body["on"].get<bool>()) {
@@ -189,7 +194,9 @@ HttpAnswer LiveView::record(const HttpRequest& request) {
 
 HttpAnswer LiveView::change_cycle(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const nlohmann::json body = object_in(request);
+  const Result<nlohmann::json> sent = object_in(request);
+  if (!sent) return answer_of(sent.error());
+  const nlohmann::json& body = sent.value();
   if (!body.contains("shutter") || !body["shutter"].is_string() ||
       (body.contains("gain") && !body["gain"].is_string()))
     return http_error(400, "send {\"shutter\": \"1ms,4ms,16ms\", \"gain\": \"1\"}; gain may be missing");

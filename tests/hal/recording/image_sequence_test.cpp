@@ -248,6 +248,9 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused("{\"width\":" + deep + shallow + "}", {"clip.json", "64"});
   refused("{" + std::string(kHead) + ",\"frames\":[{\"file\":" + deep + shallow + "},{}]}",
           {"clip.json", "64"});
+  refused(R"({"width":6,"height":4,"width":8,"fps":30,"bits":8)" + frames, {"clip.json", "'width' twice"});
+  refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","later":{"a":[{},{"b":1,"b":1}]}},{}]})",
+          {"clip.json", "'b' twice"});
   refused("{\"frames\":[1e999]}", {"clip.json' is not usable", "1e999"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' missing"});
   refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' missing"});

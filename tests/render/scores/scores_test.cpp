@@ -125,6 +125,11 @@ TEST_CASE("an exposure that alternates by gain pumps as one that alternates by t
   std::ofstream(clip / "clip.json") << json;
   REQUIRE(scores_of(clip).phase_stops == Approx(phase_stops));
 
+  std::string text = json.dump();
+  text.insert(text.find("\"gain\""), "\"gain\":1,");
+  std::ofstream(clip / "clip.json") << text;
+  REQUIRE(mentions(error_of(clip.path(), clip / "out"), "'gain' twice"));
+
   json["frames"][2]["gain"] = -4;
   std::ofstream(clip / "clip.json") << json;
   const Error wrong = error_of(clip.path(), clip / "out");

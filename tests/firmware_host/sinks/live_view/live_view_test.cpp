@@ -344,6 +344,14 @@ TEST_CASE("recording and cycle are changed with the token alone, and refusals sa
   CHECK(json::parse(wrong.body)["error"] == "'wrong' is no exposure time");
   for (const char* body : {"", "on", "[]", R"({"on": 1})", R"({"on": "true"})"})
     CHECK(post("/record", body, kToken).status == 400);
+  for (const auto& [path, body] : {std::pair("/record", R"({"on": false, "on": true})"),
+                                   {"/cycle", R"({"shutter": "2ms,4ms", "shutter": "1ms"})"}}) {
+    const HttpReply twice = post(path, body, kToken);
+    CHECK(twice.status == 400);
+    CHECK_THAT(json::parse(twice.body)["error"], Catch::Contains("twice"));
+  }
+  CHECK(control.file.empty());
+  CHECK(control.shutter == "1ms,8ms");
   for (const char* body : {"{}", R"({"shutter": 1})", R"({"shutter": "1ms", "gain": 1})"})
     CHECK(post("/cycle", body, kToken).status == 400);
 }
