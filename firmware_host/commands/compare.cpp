@@ -1,6 +1,7 @@
 // hdrcam compare CLIP OUT: scores a folder of HDR frames against a clip with ground truth.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
@@ -21,6 +22,23 @@ struct CompareFlags {
 
 std::string fixed(const std::optional<double>& value, int digits) {
   return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+}
+
+std::vector<std::uint64_t> numbers_of(const std::vector<FrameScores>& frames) {
+  std::vector<std::uint64_t> numbers;
+  for (const FrameScores& scored : frames) numbers.push_back(scored.frame);
+  return numbers;
+}
+
+// Numbers that increase, as in "1 to 7, 9".
+std::string listed(const std::vector<std::uint64_t>& numbers) {
+  std::string text;
+  for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {
+    for (end = begin + 1; end < numbers.size() && numbers[end] == numbers[end - 1] + 1;) ++end;
+    text += fmt::format("{}{}", begin == 0 ? "" : ", ", numbers[begin]);
+    if (end - begin > 1) text += fmt::format(" to {}", numbers[end - 1]);
+  }
+  return text;
 }
 
 void print(const ClipScores& scores, const std::string& clip, const std::string& label) {
@@ -54,8 +72,10 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
         *scores.field_flow_epe_px, fixed(scores.field_flow_moving_epe_px, 3));
   if (scores.novel_psnr_mu_db)
     say("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
-  if (!scores.missing.empty())
-    say("not scored, there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
+  say("frames are matched by their number: {}\n", listed(numbers_of(scores.frames)));
+  if (!scores.missing.empty()) say("not scored, there is no estimate: frames {}\n", listed(scores.missing));
+  if (!scores.not_in_clip.empty())
+    say("not scored, the clip has no such frame: estimates {}\n", listed(scores.not_in_clip));
 }
 
 // wanted: what the path should name.

@@ -54,6 +54,12 @@ Result<Estimates> Estimates::open(Storage& storage, const std::string& folder,
   return estimates;
 }
 
+std::vector<std::uint64_t> Estimates::numbers() const {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, path] : paths_) numbers.push_back(number);
+  return numbers;
+}
+
 Result<Estimate> Estimates::read(std::uint64_t frame, int rows, int cols) const {
   const std::string& path = paths_.at(frame);
   const ExrImage picture = TRY(read_exr(*storage_, path));

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "hal/core/image.h"
 #include "hal/core/result.h"
@@ -31,6 +32,7 @@ class Estimates {
                                 const std::function<bool(const std::string& path)>& is_scored = {});
 
   bool contains(std::uint64_t frame) const { return paths_.contains(frame); }
+  std::vector<std::uint64_t> numbers() const;  // of all its frames, in their order
   // Errors: those of read_exr and rgb_of; SizeChanged.
   Result<Estimate> read(std::uint64_t frame, int rows, int cols) const;
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <set>
 
 #include "render/scores/estimates.h"
 #include "render/scores/ground_truth.h"
@@ -66,14 +68,21 @@ class ClipScoring {
         frames_.push_back(i);
       else
         scores_.missing.push_back(number);
-    if (frames_.empty())
-      return Error{
-          ErrorCode::NotFound,
-          fmt::format(
-              "none of the {} frames of the clip can be compared with {} skipped at either end; check "
-              "that the estimates are numbered as the frames of the clip are",
-              truth_.frames(), options_.skip)};
-    return {};
+    const std::vector<std::uint64_t> estimated = estimates_.numbers();
+    std::set<std::uint64_t> of_clip;
+    for (int i = 0; i < truth_.frames(); ++i) of_clip.insert(truth_.number(i));
+    std::ranges::copy_if(estimated, std::back_inserter(scores_.not_in_clip),
+                         [&](std::uint64_t number) { return !of_clip.contains(number); });
+    if (!frames_.empty()) return {};
+    std::string numbers;
+    if (!of_clip.empty())
+      numbers = fmt::format(", of numbers {} to {},", *of_clip.begin(), *of_clip.rbegin());
+    return Error{
+        ErrorCode::NotFound,
+        fmt::format(
+            "none of the {} frames of the clip{} can be compared with {} skipped at either end; check "
+            "that the estimates, {} to {}, are numbered as the frames of the clip are",
+            truth_.frames(), numbers, options_.skip, estimated.front(), estimated.back())};
   }
 
   Result<void> unless_stopped() const {

@@ -2,6 +2,7 @@
 //   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels,
 //             because the response's scale is not observable; not per frame, so that flicker is not hidden
 //   white     min(99.9th percentile of the clip, radiance that saturates the shortest exposure): maps to 1
+//   match     a frame of the clip and the estimate of its number
 //   flicker   mean |d log2 E - d log2 G| along the true motion where it is visible in both frames
 //   phase     spread of the mean log2 error over the phases of the exposure cycle: 0 is no pumping
 // It makes three passes over the files; between frames it holds at most one number per seven pixels of the
@@ -54,6 +55,7 @@ struct ClipScores {
   std::vector<FrameScores> frames;
   // Numbers of the clip's frames, except skipped ones, without an estimate.
   std::vector<std::uint64_t> missing;
+  std::vector<std::uint64_t> not_in_clip;  // numbers of estimates that the clip has no frame for
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for

@@ -25,6 +25,7 @@ std::string to_json(const ClipScores& scores, const std::string& clip, const std
   json["label"] = label;
   json["frames"] = scores.frames.size();
   json["missing"] = scores.missing;
+  json["not_in_clip"] = scores.not_in_clip;
   json["N"] = scores.shared.white;
   json["gain"] = scores.shared.gain;
   json["psnr_mu"] = scores.mean.psnr_mu_db;

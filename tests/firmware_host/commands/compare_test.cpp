@@ -25,17 +25,22 @@ TEST_CASE("hdrcam compare prints a table with units and writes the same figures 
     if (i != 5)
       synthetic_clip::write_estimate(clip / fmt::format("out/{:06d}.exr", i), i,
                                      synthetic_clip::Geometry::With);
+  for (const int i : {20, 21, 40})
+    synthetic_clip::write_estimate(clip / fmt::format("out/{:06d}.exr", i), 0,
+                                   synthetic_clip::Geometry::With);
 
   const Ran run = run_compare(fmt::format("{0} {0}/out/ --label mine --json {0}/scores.json", clip.path()));
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
-  for (const char* word :
-       {"mine", "PSNR-mu", "dB", "flicker", "stops", "depth abs-rel", "px", "no estimate: frames 5"})
+  for (const char* word : {"mine", "PSNR-mu", "dB", "flicker", "stops", "depth abs-rel", "px",
+                           "matched by their number: 1 to 4, 6\n", "no estimate: frames 5\n",
+                           "the clip has no such frame: estimates 20 to 21, 40\n"})
     REQUIRE(run.output.find(word) != std::string::npos);
   const auto json = nlohmann::json::parse(read_whole(posix_storage(), clip / "scores.json").value());
   REQUIRE(json.at("label") == "mine");
   REQUIRE(json.at("clip") == std::filesystem::path(clip.path()).filename().string());
   REQUIRE(json.at("missing") == nlohmann::json{5});
+  REQUIRE(json.at("not_in_clip") == nlohmann::json{20, 21, 40});
   REQUIRE(run.output.find(fmt::format("{:.2f}", json.at("psnr_mu").get<double>())) != std::string::npos);
 
   const Ran alone = run_compare(fmt::format("{0} {0}/out/ --label mine --json -", clip.path()));
@@ -49,6 +54,15 @@ TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is not
   const Ran no_frames = run_compare(fmt::format("{0} {0}/gt", clip.path()));
   REQUIRE(no_frames.exit_code != 0);
   REQUIRE(no_frames.output.find("no HDR frames") != std::string::npos);
+
+  REQUIRE(posix_storage().make_directories(clip / "film").ok());
+  for (const int i : {100, 103})
+    synthetic_clip::write_estimate(clip / fmt::format("film/{}.exr", i), 0,
+                                   synthetic_clip::Geometry::Without);
+  const Ran apart = run_compare(fmt::format("{0} {0}/film", clip.path()));
+  REQUIRE(apart.exit_code != 0);
+  REQUIRE(apart.output.find("of numbers 0 to 7") != std::string::npos);
+  REQUIRE(apart.output.find("100 to 103") != std::string::npos);
 
   std::filesystem::remove_all(clip / "gt");
   const Ran no_truth = run_compare(fmt::format("{0} {0}", clip.path()));
