@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,7 +11,9 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <memory>
+#include <mutex>
 #include <ostream>
 #include <string_view>
 #include <vector>
@@ -196,7 +199,7 @@ Error lost_output(int code, std::string_view consequence) {
           fmt::format("cannot write to the standard output: {}{}", reason, consequence)};
 }
 
-// Another storage that remembers whether anything was written to it.
+// Another storage that remembers whether anything was written to it, and which folders were made.
 class NotingStorage final : public ForwardingStorage {
  public:
   using ForwardingStorage::ForwardingStorage;
@@ -206,9 +209,29 @@ class NotingStorage final : public ForwardingStorage {
     written_ = true;
     return ForwardingStorage::create(path, how);
   }
+  Result<void> make_directories(const std::string& path) override {
+    std::vector<std::string> missing;
+    for (std::filesystem::path folder = path; !folder.empty() && !is_there(inner_, folder.string());
+         folder = folder.parent_path())
+      missing.push_back(folder.string());
+    {
+      const std::lock_guard lock(mutex_);
+      made_.insert(made_.end(), missing.rbegin(), missing.rend());
+    }
+    return ForwardingStorage::make_directories(path);
+  }
+
+  // Of those that it made.
+  void remove_empty_folders() {
+    const std::lock_guard lock(mutex_);
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
+    made_.clear();
+  }
 
  private:
   std::atomic<bool> written_{false};
+  std::mutex mutex_;
+  std::vector<std::string> made_;  // the outer ones first
 };
 
 }  // namespace
@@ -266,7 +289,10 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     NotingStorage noting(storage);
     Surroundings surroundings{noting, stop};
     const Result<void> done = request->verb(surroundings);
-    if (!done) return end_with(done.error());
+    if (!done) {
+      noting.remove_empty_folders();
+      return end_with(done.error());
+    }
     if (const int lost = lost_results(); lost != 0)
       return end_with(lost_output(lost, noting.written() ? "; the files are complete" : ""));
     return kExitOk;

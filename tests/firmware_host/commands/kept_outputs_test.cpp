@@ -163,6 +163,22 @@ TEST_CASE("a run that is refused leaves no folder of its outputs") {
               .exit_code == 2);
     CHECK_FALSE(fs::exists(out));
   }
+  // what only the camera or the recording tells
+  const std::string camera = "sim:walk?size=64x48", deep = out + "/of/today/%06d.exr";
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"live", "--camera", "sim:nowhere", "--frames", "2", "-o", deep},
+           {"live", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", deep},
+           {"live", "--camera", camera, "--memory", "64", "--frames", "2", "-o", deep},
+           {"record", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", out + "/walk.mkv"},
+           {"replay", kDemo, "--memory", "64", "-o", deep}}) {
+    INFO(words.front() << ' ' << words[3]);
+    CHECK(ran_here(words).exit_code != 0);
+    CHECK_FALSE(fs::exists(out));
+  }
+  fs::create_directories(out + "/of");  // which is not the run's
+  CHECK(ran_here({"replay", kDemo, "--memory", "64", "-o", deep}).exit_code != 0);
+  CHECK(fs::is_empty(out + "/of"));
+  fs::remove_all(out);
   for (const char* verb : {"replay", "render"})
     CHECK_THAT(ran_here({verb, folder + "/none.mkv", "-o", frames}).err,
                Contains("none.mkv' does not exist"));
