@@ -43,18 +43,24 @@ bool writes_outputs(const Settings::Output& output) {
   return std::ranges::any_of(output.paths, [](const auto& sink) { return !sink.second.empty(); });
 }
 
-Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings) {
-  if (!needs_of(settings.output).poses || options_of(settings, FieldUse::Fills).knobs.pose != PoseKind::Given)
-    return {};
+Result<void> check_recorded_poses(Storage& storage, const std::string& recording, const Settings& settings) {
+  if (!needs_of(settings.output).poses) return {};
+  const std::string name = fmt::format("'{}'", recording);
+  const bool tracks = tracks_poses(settings);
+  if (options_of(settings, FieldUse::Fills).knobs.pose != PoseKind::Given)
+    return check_tracked_poses(settings, "--set pose takes none of " + name);
   const auto reader = open_recording(storage, recording, Damage::IsSkipped);
-  if (!reader || reader.value()->camera().intrinsics) return {};  // why it does not open is the run's to tell
+  if (!reader) return {};  // why it does not open is the run's to tell
+  const bool has_lens = reader.value()->camera().intrinsics.has_value();
+  if (has_lens && tracks) return {};
   for (;;) {
     const auto next = reader.value()->next_facts();
-    if (!next || !next.value()) return {};  // as is what ends it
+    if (!next) return {};  // as is what ends it
+    if (!next.value()) return check_tracked_poses(settings, name + " states none");
     const FrameFacts& facts = *next.value();
     if (is_kept_out(facts)) continue;
-    return facts.T_world_camera ? check_lens(PoseSource::Given, true, fmt::format("'{}'", recording))
-                                : Result<void>();
+    if (facts.T_world_camera) return check_lens(PoseSource::Given, !has_lens, name);
+    if (tracks) return {};
   }
 }
 

@@ -25,9 +25,9 @@ Result<Settings> settings_on_recording(const SettingsFlags& flags, const Setting
 // Whether any output besides a recording is asked for.
 bool writes_outputs(const Settings::Output& output);
 
-// Before an output's folder is made and the fit begins: given poses that are to be written need their lens.
-// Error: that of check_lens.
-Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings);
+// Before an output's folder is made and the fit begins: poses that are to be written are there or tracked,
+// and given ones need their lens. Errors: those of check_lens and check_tracked_poses.
+Result<void> check_recorded_poses(Storage& storage, const std::string& recording, const Settings& settings);
 
 // Errors: Unsupported where the pictures need more memory than the settings allow.
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use = FieldUse::Fills);

@@ -198,7 +198,7 @@ Result<void> render(const RenderFlags& flags, const Settings& given, Surrounding
   TRY(check_motion(settings));
   TRY(check_needs(settings));
   const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
-  TRY(check_lens_of_poses(around.storage, flags.recording, settings));
+  TRY(check_recorded_poses(around.storage, flags.recording, settings));
   TRY(flags.kept.check(around.storage, inputs_of(flags, "recording"), outputs_of(settings, sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));

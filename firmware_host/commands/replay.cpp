@@ -58,7 +58,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
         "'hdrcam replay --help' lists all"};
   const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a replay"));
   TRY(check_needs(settings));
-  TRY(check_lens_of_poses(around.storage, flags.recording, settings));
+  TRY(check_recorded_poses(around.storage, flags.recording, settings));
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, sink_kinds())));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,

@@ -134,4 +134,16 @@ Result<void> check_needs(const Settings& settings) {
                                                shown, without_field)};
 }
 
+bool tracks_poses(const Settings& settings) {
+  return options_of(settings, FieldUse::Fills).knobs.field != FieldKind::None;
+}
+
+Result<void> check_tracked_poses(const Settings& settings, std::string_view cause) {
+  if (!needs_of(settings.output).poses || tracks_poses(settings)) return {};
+  const char* flag = is_written(settings.output, "transforms") ? "--transforms" : "--colmap";
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} needs poses: {}, and none is tracked without the field, which {} leaves out",
+                           flag, cause, what_leaves_out_field(settings.fit))};
+}
+
 }  // namespace hdrcam

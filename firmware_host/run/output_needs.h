@@ -41,4 +41,10 @@ void write_result_beside_frames(const Settings::Output& output, std::string_view
 // for an address of the live page that is none.
 Result<void> check_needs(const Settings& settings);
 
+// Whether the run tracks poses, which the field is for.
+bool tracks_poses(const Settings& settings);
+// Where no poses are given. Invalid where outputs need them and none is tracked; cause: why none is given,
+// for the message: "a camera states none".
+Result<void> check_tracked_poses(const Settings& settings, std::string_view cause);
+
 }  // namespace hdrcam

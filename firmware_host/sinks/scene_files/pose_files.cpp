@@ -41,9 +41,9 @@ class PoseFile : public FrameSink {
   Result<void> emit(const EmittedFrame& emitted) override {
     const HdrFrame& frame = emitted.hdr;
     if (!start_) start_ = frame.facts.timestamp;
-    if (clip_.pictures.empty()) TRY(begin(frame));
-    if (!frame.pose || frame.pose->lost || clip_.pictures.size() == kMostPictures)
-      return ++clip_.left_out, Result<void>{};
+    if (!frame.pose) return ++clip_.left_out, Result<void>{};
+    if (!std::exchange(begun_, true)) TRY(begin(frame));
+    if (frame.pose->lost || clip_.pictures.size() == kMostPictures) return ++clip_.left_out, Result<void>{};
     PosedPicture picture;
     picture.path = pictures_.path(frame.facts.sequence);
     if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
@@ -72,16 +72,8 @@ class PoseFile : public FrameSink {
   virtual Result<void> write(Storage& storage, const PosedClip& clip, const std::string& folder) = 0;
 
  private:
-  // The first frame with a pose decides what the poses are. That of a film may lie beside one without, and a
-  // film's frames have depth; of other runs the first frame has a pose, or none will.
+  // The first frame with a pose decides what the poses are.
   Result<void> begin(const HdrFrame& frame) {
-    if (!frame.pose && !frame.depth.empty()) return {};
-    if (!frame.pose)
-      return Error{
-          ErrorCode::Invalid,
-          fmt::format("{} needs poses: frame {} has none and none is tracked; leave out --emit state "
-                      "and --set field=none",
-                      flag_, frame.facts.sequence)};
     if (!frame.lens)
       return Error{ErrorCode::Invalid,
                    fmt::format("{} needs pictures of one lens, and --stereo makes two a frame", flag_)};
@@ -97,9 +89,8 @@ class PoseFile : public FrameSink {
   Result<void> none_posed() const {
     if (clip_.left_out == 0) return {};
     return Error{ErrorCode::Invalid,
-                 fmt::format("{} needs poses, and no frame of the film has one: the recorded frames beside "
-                             "them have none, or theirs are lost; give another --time, or leave out --emit "
-                             "state and --set field=none",
+                 fmt::format("{} needs poses, and no frame has one that is not lost; of a film give another "
+                             "--time, or leave out --emit state and --set field=none",
                              flag_)};
   }
 
@@ -159,6 +150,7 @@ class PoseFile : public FrameSink {
   const std::optional<FramePattern> depths_;
   const EarlierFrames earlier_;
   std::optional<Instant> start_;
+  bool begun_ = false;
   PosedClip clip_;
   std::map<int, std::deque<std::vector<ColouredPoint>>>
       points_;  // by world, of its newest frames that have any

@@ -1,9 +1,9 @@
 // The sinks of --transforms and --colmap: they collect the pictures that a run leaves, with their poses, and
-// write one model when it ends (transforms_json.h, colmap_text.h). A frame whose pose is lost is left out, as
-// is one whose picture the run has not written in the end, also where one of an earlier run has its name; so
-// are frames after the first 100 000, which no such tool takes. Where tracking began anew, a model has the
-// poses of one world: of that with most pictures, of these the newest. Points are those of its newest 32
-// frames that have any.
+// write one model when it ends (transforms_json.h, colmap_text.h). A frame without a pose, or whose pose is
+// lost, is left out, as is one whose picture the run has not written in the end, also where one of an earlier
+// run has its name; so are frames after the first 100 000, which no such tool takes. Where tracking began
+// anew, a model has the poses of one world: of that with most pictures, of these the newest. Points are those
+// of its newest 32 frames that have any.
 #pragma once
 
 #include <memory>
@@ -30,8 +30,8 @@ Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& p
 Result<FramePattern> pictures_of_colmap(const PicturePatterns& patterns);
 
 // path: of the file; model: of the folder. The storage outlives the sinks. Errors: those of pictures_of and
-// pictures_of_colmap; those of the disk. emit() fails at a frame without a pose before any that has one, and
-// where a pose has no lens.
+// pictures_of_colmap; those of the disk. emit() fails where a pose has no lens, conclude() where no frame had
+// a pose.
 Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
                                                      const PicturePatterns& patterns);
 Result<std::unique_ptr<FrameSink>> create_colmap(Storage& storage, const std::string& model,

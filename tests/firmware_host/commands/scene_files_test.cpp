@@ -411,8 +411,6 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
   refused(with({"--transforms", out + "/same.json", "-o", frames, "--stats", out + "/same.json"}),
           "would overwrite --stats");
   refused(with({"--colmap", out, "-o", frames, "--stats", out + "/images.txt"}), "would overwrite");
-  refused({"replay", bare, "--preset", "fast", "--emit", "state", "-o", frames, "--transforms", transforms},
-          "frame 0 has none");
   refused({"replay", no_lens, "--preset", "fast", "--force", "-o", frames, "--transforms", transforms},
           "states no lens");
   const std::string early = folder + "/early", of_no_lens = "'" + no_lens + "' has poses but states no lens";
@@ -428,9 +426,41 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
       INFO(verb.front() << " " << file.front());
       CHECK_FALSE(fs::exists(early));  // before the fit, whose first frames would be there
     }
+  const std::string none_tracked = "none is tracked without the field, which --emit state leaves out";
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"replay", bare},
+                                               {"replay", whole, "--set", "pose=tracked"},
+                                               {"live", "--camera", "replay:" + bare},
+                                               {"live", "--camera", "sim:still?size=32x32", "--frames", "2"}})
+    for (const std::vector<std::string>& file :
+         {std::vector<std::string>{"--transforms", early + "/t.json"}, {"--colmap", early + "/colmap"}}) {
+      std::vector<std::string> words = verb;
+      words.insert(words.end(), {"--emit", "state", "-o", early + "/%06d.exr"});
+      words.insert(words.end(), file.begin(), file.end());
+      refused(words, none_tracked.c_str());
+      CHECK_FALSE(fs::exists(early));
+    }
   refused({"render", whole, "--stereo", "0.02", "--force", "-o", frames, "--colmap", out + "/colmap"},
           "--stereo");
   refused({"render", whole, "-o", folder + "/film/%06d.exr", "--flow-backward", out + "/%06d.flo"}, "a film");
+}
+
+TEST_CASE("without a field a model has the frames that state a pose, also where the first states none") {
+  const std::string folder = sample::scratch_folder("scene_files_some"), clip = folder + "/some.mkv";
+  const test::MovingScene scene;
+  auto writer = create_recording(posix_storage(), clip, scene.camera()).value();
+  for (int i = 0; i < 7; ++i) {
+    RawFrame frame = scene.frame(i);
+    if (i >= 2 && i != 4) frame.facts.T_world_camera = PoseMatrix{1, 0, 0, 0.01 * i, 0, 1, 0, 0, 0, 0, 1, 0};
+    REQUIRE(writer->append(frame).ok());
+  }
+  REQUIRE(writer->finish().ok());
+  require_success({"replay", clip, "--preset", "fast", "--emit", "state", "--preview", folder + "/%06d.png",
+                   "--transforms", folder + "/transforms.json"});
+  const auto read = read_transforms(folder + "/transforms.json");
+  CHECK(read.cameras.size() == 4);
+  for (const char* stated : {"000002.png", "000003.png", "000005.png", "000006.png"})
+    CHECK(read.cameras.contains(stated));
+  CHECK(read.json["hdrcam"]["frames_left_out"] == 3);
 }
 
 TEST_CASE("given poses leave without a field too, and an earlier flow is kept unless --force is given") {

@@ -74,7 +74,7 @@ TEST_CASE("a film whose first frames have no pose has those of the later ones, a
     if (sequence != 1) continue;
     const Result<void> none = transforms.value()->conclude({});
     REQUIRE_FALSE(none.ok());
-    CHECK_THAT(none.error().message, Catch::Contains("no frame of the film has one"));
+    CHECK_THAT(none.error().message, Catch::Contains("no frame has one"));
     CHECK_FALSE(posix_storage().open(folder + "/transforms.json").ok());
   }
   REQUIRE((transforms.value()->finish().ok() && transforms.value()->conclude({}).ok()));
