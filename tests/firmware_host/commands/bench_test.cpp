@@ -10,6 +10,8 @@
 #include "firmware_host/bench/kernel_rates.h"
 #include "firmware_host/exit_code.h"
 #include "hal/storage.h"
+#include "tests/contracts/expect.h"
+#include "tests/places.h"
 #include "tests/render/scores/synthetic_clip.h"
 #include "tests/support/ran_here.h"
 #include "tests/support/stopping_storage.h"
@@ -101,6 +103,16 @@ TEST_CASE("hdrcam bench kernels measures each kernel and the ceilings, as a tabl
     CHECK(kernel.at("per_s") > 0);
     if (kernel.contains("bound")) CHECK(kernel.at("ceiling_per_s") > 0);
     CHECK(bench.output.find("| " + kernel.at("kernel").get<std::string>() + " |") != std::string::npos);
+  }
+}
+
+TEST_CASE("the page of what accuracy costs has every kernel that is measured") {
+  const std::string page =
+      value_of(read_whole(posix_storage(), HDRCAM_SOURCE_DIR "/docs/cost-of-accuracy.md"));
+  for (const KernelTask& task : kernel_tasks(96, 128)) {
+    INFO(task.name);
+    CHECK((page.find("| " + task.name + " |") != std::string::npos ||
+           page.find("`" + task.name + "`") != std::string::npos));
   }
 }
 
