@@ -84,18 +84,6 @@ TEST_CASE("a film whose first frames have no pose has those of the later ones, a
   CHECK(read.json["hdrcam"]["frames_left_out"] == 2);
 }
 
-TEST_CASE("a run whose first frame has no pose, and no depth that tells of a film, ends there") {
-  const std::string folder = sample::scratch_folder("pose_files_no_pose");
-  auto transforms =
-      create_transforms(posix_storage(), folder + "/transforms.json", {folder + "/%04d.png", ""});
-  REQUIRE(transforms.ok());
-  HdrFrame frame = posed_frame(0);
-  frame.pose.reset();
-  const Result<void> refused = test::emit(*transforms.value(), frame);
-  REQUIRE_FALSE(refused.ok());
-  CHECK_THAT(refused.error().message, Catch::Contains("frame 0 has none and none is tracked"));
-}
-
 TEST_CASE("an exposure that was estimated is a ratio, and is not stated as a time") {
   const std::string folder = sample::scratch_folder("pose_files_estimated");
   auto transforms =
