@@ -44,9 +44,10 @@ Result<Estimates> Estimates::open(Storage& storage, const std::string& folder,
       return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one",
                                                    known->second, path.string(), *number)};
   }
-  if (const std::error_code& error = listing.failure())
-    return Error{ErrorCode::NotFound, fmt::format("cannot list the folder '{}': {}", folder, error.message()),
-                 error.value()};
+  if (listing.is_missing())
+    return Error{ErrorCode::NotFound, fmt::format("there is no folder '{}'", folder),
+                 listing.failure().value()};
+  if (listing.failure()) return listing.cannot_read();
   if (estimates.paths_.empty())
     return Error{
         ErrorCode::NotFound,

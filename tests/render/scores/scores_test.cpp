@@ -10,7 +10,7 @@
 #include "render/scores/scores_json.h"
 #include "tests/render/scores/synthetic_clip.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/as_nobody.h"
 
 namespace hdrcam {
 namespace {
@@ -256,6 +256,7 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
 
   REQUIRE(error_of(clip / "nowhere", out).code == ErrorCode::NotFound);
   REQUIRE(error_of(clip.path(), clip / "nowhere").code == ErrorCode::NotFound);
+  REQUIRE(mentions(error_of(clip.path(), clip / "nowhere"), "there is no folder '"));
   REQUIRE(mentions(error_of(clip.path(), clip / "gt"), "no HDR frames"));
   REQUIRE(mentions(error_of(clip.path(), out, {.skip = 4}), "4 skipped"));
   REQUIRE(error_of(clip.path(), out, {.skip = -1}).code == ErrorCode::Invalid);
@@ -263,6 +264,17 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
   const std::atomic<bool> stop{true};
   REQUIRE(error_of(clip.path(), out, {.skip = 1, .stop = &stop}).code == ErrorCode::Interrupted);
 
+  SECTION("a folder that may not be listed") {
+    REQUIRE(posix_storage().make_directories(clip / "closed").ok());
+    std::filesystem::permissions(clip / "closed", std::filesystem::perms::none);
+    {
+      const test::AsNobody nobody;
+      const Error unread = error_of(clip.path(), clip / "closed");
+      CHECK(unread.code == ErrorCode::Permission);
+      CHECK(mentions(unread, "cannot read the folder '" + clip / "closed'"));
+    }
+    std::filesystem::permissions(clip / "closed", std::filesystem::perms::owner_all);
+  }
   SECTION("a clip without ground truth") {
     std::filesystem::remove_all(clip / "gt");
     REQUIRE(error_of(clip.path(), out).code == ErrorCode::NotFound);
