@@ -217,7 +217,8 @@ std::string loss_section(const RunRecord& record) {
   chart.series = series_of(record, &FrameRecord::losses);
   chart.logarithmic_y = true;
   if (chart.series.empty()) return "";
-  return section("Fit", "The terms of the field's objective, weighted, after the last step of each frame.",
+  return section("Fit",
+                 "The terms of the field's objective, weighted, each the mean over the steps at its frame.",
                  card(line_chart(chart)));
 }
 

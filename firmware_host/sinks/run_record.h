@@ -37,7 +37,7 @@ struct FrameRecord {
   double total_ms = 0;             // the sum of stages_ms
   FrameValues
       stages_ms;  // by name(Stage), in the order of the pipeline; a stage that did not run may be missing
-  FrameValues losses;  // weighted terms of the fit's last step; empty without the field
+  FrameValues losses;  // weighted terms of the fit, mean over the frame's steps; empty without a step
   int fit_steps = 0;
   int rung = 0;           // of RunRecord::rungs; 0 without a deadline
   double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
