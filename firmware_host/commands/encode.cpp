@@ -120,6 +120,12 @@ Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> file
   return {};
 }
 
+Error stopped_after(std::size_t frames, std::size_t all) {
+  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
+  return {ErrorCode::Interrupted,
+          fmt::format("stopped after {} of {} frames; they are complete", frames, all)};
+}
+
 Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
   const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
   if (output.empty())
@@ -157,17 +163,17 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
     return sink->emit({frame, ExposedFrame{}, FrameRecord{}});
   };
   Result<void> encoded;
-  for (const NumberedFile& file : files) {
-    if (around.stop)
-      encoded = Error{ErrorCode::Interrupted, fmt::format("interrupted before '{}'", file.path)};
-    if (!encoded) break;
+  std::size_t frames = 0;  // in the video
+  while (encoded && frames < files.size() && !around.stop) {
     Stopwatch watch;
-    encoded = add(file);
+    encoded = add(files[frames]);
+    if (encoded) ++frames;
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }
   if (sink)
     if (const Result<void> finished = sink->finish(); encoded && !finished) encoded = finished;
-  if (encoded && output != kStandardOutput) say("{}: {}\n", output, counted(files.size(), "frame"));
+  if (encoded && frames > 0 && output != kStandardOutput) say("{}: {}\n", output, counted(frames, "frame"));
+  if (encoded && frames < files.size()) return stopped_after(frames, files.size());
   return encoded;
 }
 

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <memory>
 
 #include "firmware_host/exit_code.h"
+#include "hal/forwarding_storage.h"
 #include "render/exr.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
@@ -48,6 +51,25 @@ void write_grey(const std::string& path, const Image<float>& grey, const ExrAttr
     picture.channels.push_back({std::string(channel), grey.samples(), ExrSample::Float});
   REQUIRE(write_whole(posix_storage(), path, encode_exr(picture).value()).ok());
 }
+
+// The disk of a program that is told to stop while it reads a file for the second time, for its picture after
+// its time.
+class StoppedWhileReading : public ForwardingStorage {
+ public:
+  explicit StoppedWhileReading(std::string path)
+      : ForwardingStorage(posix_storage()), path_(std::move(path)) {}
+
+  Result<std::unique_ptr<StorageFile>> open(const std::string& path) override {
+    if (path == path_ && ++times_ == 2) stop_ = true;
+    return ForwardingStorage::open(path);
+  }
+  const std::atomic<bool>& stop() const { return stop_; }
+
+ private:
+  const std::string path_;
+  int times_ = 0;
+  std::atomic<bool> stop_{false};
+};
 
 int largest_difference(const Image<std::uint16_t>& a, const Image<std::uint16_t>& b) {
   REQUIRE(a.same_shape(b));
@@ -103,6 +125,24 @@ TEST_CASE("an earlier video stays unless it is to be replaced") {
   forced.push_back("--force");
   CHECK(ran_here(forced).exit_code == 0);
   CHECK(test::decoded_video(path).frames.size() == 6);
+}
+
+TEST_CASE("a video that is stopped holds the frames before it, and encode says how many") {
+  const std::string out = sample::scratch_folder("encode_stopped"), path = out + "/x.mp4";
+  for (const char* name : {"/000000.exr", "/000001.exr", "/000002.exr"})
+    write_grey(out + name, Image<float>(1, 48, 64));
+  StoppedWhileReading storage(out + "/000001.exr");
+  const RanHere stopped = ran_here({"encode", out + "/%06d.exr", "-o", path}, storage, storage.stop());
+  INFO(stopped.err);
+  CHECK(stopped.exit_code == kExitInterrupted);
+  CHECK_THAT(stopped.err, Contains("stopped after 2 of 3 frames; they are complete"));
+  CHECK(test::decoded_video(path).frames.size() == 2);
+
+  const RanHere at_once =
+      ran_here({"encode", out + "/%06d.exr", "-o", out + "/y.mp4"}, posix_storage(), true);
+  CHECK(at_once.exit_code == kExitInterrupted);
+  CHECK_THAT(at_once.err, Contains("stopped before the first frame"));
+  CHECK_FALSE(std::filesystem::exists(out + "/y.mp4"));
 }
 
 TEST_CASE("frames go to a pipe, and nothing but frames") {
