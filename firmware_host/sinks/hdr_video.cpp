@@ -154,6 +154,11 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
                  fmt::format("'{}' numbers frames, and a video is one file; give out.mp4, "
                              "or out/%06d.exr for HDR frames",
                              path)};
+  if (*container == VideoContainer::Mov && options.codec == CodecChoice::Av1)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--codec av1 does not fit '{}', as .mov holds hevc and h264; name the video "
+                             "out.mp4 or out.mkv, or give another codec",
+                             path)};
   TRY(make_folder_of(storage, path));
   const bool pipe = TRY(storage.look_at(path)).kind == FileKind::Other;
   VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options), .container = *container};

@@ -17,9 +17,9 @@ namespace hdrcam {
 // Errors: Invalid for options that contradict each other.
 Result<void> check_video(const VideoOptions& options);
 
-// path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension or options that
-// contradict each other, Permission, NoSpace, Io; with the first frame also Unsupported, where the codec
-// refuses it.
+// path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension, for options that
+// contradict each other and for a codec that such a file does not hold, Permission, NoSpace, Io; with the
+// first frame also Unsupported, where the codec refuses it.
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options);
 

@@ -288,6 +288,7 @@ TEST_CASE("what cannot be is refused before a frame comes") {
   CHECK_FALSE(fs::exists(folder + "/%06d.mp4"));
   CHECK(video_container_of("x.MP4") == VideoContainer::Mp4);
   CHECK(code("x.mp4", {.codec = CodecChoice::H264}) == ErrorCode::Invalid);
+  CHECK(code("x.mov", {.codec = CodecChoice::Av1}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.transfer = VideoTransfer::Hlg, .peak_nits = 2000}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.white_nits = 500, .peak_nits = 300}) == ErrorCode::Invalid);
   const VideoOptions sdr{.transfer = VideoTransfer::Sdr, .white_nits = 500, .peak_nits = 300};  // unused
