@@ -107,7 +107,7 @@ std::string SinkSet::whole_outputs(Storage& storage) const {
   for (const Open& open : open_) {
     if (open.kind->target == SinkTarget::Address || open.path == kStandardOutput) continue;
     const SinkTimes times = times_of(open);
-    const bool numbered = FramePattern::is_one(open.path);
+    const bool numbered = open.kind->extension != nullptr && FramePattern::is_one(open.path);
     const bool some = times.frames + times.left_out > 0;
     if (numbered ? !some : open.failed || !is_there(storage, open.path)) continue;
     text += numbered ? fmt::format("{}: {}", open.path, counted(times.frames, "frame")) : open.path;

@@ -107,8 +107,8 @@ TEST_CASE("a numbered output is told with the frames that arrived and those left
   const std::string frames = sample::scratch_folder("sink_set_numbered") + "/%06d.txt";
   const CameraFacts camera;
   const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
-  const SinkKind kinds[] = {
-      {"previews", "--previews", "a picture of each frame", SinkPace::Latest, SinkTarget::Files, open_tally}};
+  const SinkKind kinds[] = {{"previews", "--previews", "a picture of each frame", SinkPace::Latest,
+                             SinkTarget::Files, open_tally, ".txt"}};
   auto sinks = SinkSet::open(kinds, {{"previews", frames}}, request, RunPace::Clip);
   REQUIRE(sinks.ok());
   CHECK(sinks.value().whole_outputs(posix_storage()).empty());
@@ -120,6 +120,22 @@ TEST_CASE("a numbered output is told with the frames that arrived and those left
   REQUIRE(sinks.value().emit(emitted, Previews::LeftOut).ok());
   REQUIRE(sinks.value().finish().ok());
   CHECK(sinks.value().whole_outputs(posix_storage()) == frames + ": 1 frame, 1 left out to keep up\n");
+}
+
+TEST_CASE("one file whose name looks numbered is told as one file, and not where it could not be written") {
+  const std::string file = sample::scratch_folder("sink_set_one") + "/%06d.txt";
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  const auto told = [&](const std::string& path) {
+    auto sinks = SinkSet::open(kKinds, {{"light", path}}, request, RunPace::Clip);
+    REQUIRE(sinks.ok());
+    const HdrFrame frame = example_frame(0);
+    for (int i = 0; i < 3; ++i) REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
+    (void)sinks.value().finish();
+    return sinks.value().whole_outputs(posix_storage());
+  };
+  CHECK(told(file) == file + "\n");
+  CHECK(told("/proc/no/%06d.txt").empty());
 }
 
 TEST_CASE(
