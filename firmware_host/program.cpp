@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
@@ -124,6 +125,17 @@ NamedVerb innermost(const CLI::App& app) {
   return verb;
 }
 
+// Of an argument too many: a camera without its flag, or a word that is almost a verb of this one.
+std::string meant_by(const std::string& word, const CLI::App& place) {
+  const bool is_camera = std::ranges::any_of(std::array{"sim:", "replay:", "/dev/"},
+                                             [&](const char* start) { return word.starts_with(start); });
+  if (is_camera && place.get_option_no_throw("--camera") != nullptr)
+    return fmt::format(" (did you mean '--camera {}'?)", word);
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : place.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+  return did_you_mean(word, verbs);
+}
+
 // The sentence for a command line that CLI11 refused. An unknown flag comes first, because it
 // usually causes the other errors (its value was taken for a positional, or the intended flag is
 // missing).
@@ -144,7 +156,8 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
             fmt::format("unknown flag '{}'{}; see '{}'", flag, did_you_mean(flag, flags), help)};
   }
   if (!extras.empty())
-    return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see '{}'", extras.front(), help)};
+    return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),
+                                            meant_by(extras.front(), place), help)};
   return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence_of(place, refused), help)};
 }
 

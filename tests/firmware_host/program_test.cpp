@@ -120,6 +120,10 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
              Contains("unknown flag '--config'") && !Contains("mean '--config'") &&
                  Contains("'hdrcam bench kernels --help'"));
   CHECK_THAT(refused({"bench", "pareto"}), Contains("'hdrcam bench pareto --help'"));
+  CHECK_THAT(refused({"bench", "paretto"}), Contains("'paretto' (did you mean 'pareto'?)"));
+  CHECK_THAT(refused({"live", "sim:walk"}), Contains("'sim:walk' (did you mean '--camera sim:walk'?)"));
+  CHECK_THAT(refused({"record", "/dev/video0", "-o", "walk.mkv"}), Contains("'--camera /dev/video0'"));
+  CHECK_THAT(refused({"list", "sim:walk"}), Contains("'sim:walk'") && !Contains("did you mean"));
 }
 
 TEST_CASE("the settings are printed without what a run needs") {
