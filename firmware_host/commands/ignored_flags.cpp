@@ -51,6 +51,16 @@ Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& came
                   camera.id));
 }
 
+// What only a strobe or a trigger line has.
+Result<void> check_lines(const SettingsFlags& flags, const Settings::Sync& sync) {
+  TRY(refuse(flags, !sync.line.empty(), {"sync.strobe", "sync.strobe_delay", "sync.active_low"},
+             "this run reads no strobe line; give --sync-line gpiochip0:17"));
+  return refuse(
+      flags, !sync.trigger_line.empty(),
+      {"sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance", "sync.trigger_active_low"},
+      "this run drives no trigger line; give --trigger-line gpiochip0:17");
+}
+
 Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output& output) {
   if (!output.path("http").empty()) return {};
   const std::vector<std::string> ignored = flags.given({"output.http_token", "output.http_record"});
@@ -85,7 +95,10 @@ Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output
 Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings) {
   TRY(check_recorded_camera(flags, settings.camera));
   TRY(check_pace(flags, settings.camera));
+  TRY(check_lines(flags, settings.sync));
   TRY(check_live_page(flags, settings.output));
+  TRY(refuse(flags, !settings.record.file.empty() || !settings.output.http_takes.empty(), {"record.codec"},
+             "this run writes no recording; give --record walk.mkv"));
   return check_outputs_of(flags, settings.output, settings.video);
 }
 

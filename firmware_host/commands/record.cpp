@@ -45,9 +45,9 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
 }
 
 Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surroundings& around) {
-  const Settings settings = TRY(started_settings(*flags.settings, asked));
-  if (settings.record.file.empty())
+  if (asked.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
+  const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_camera_run(settings, "--output", {}, flags.kept, around.storage));
   TraceFile trace(settings);
   if (is_read_as_fast_as_asked(settings.camera))

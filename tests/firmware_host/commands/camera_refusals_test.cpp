@@ -70,6 +70,16 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   check_refused({"render", walk, "--deadline", "33ms", "-o", folder + "/%06d.exr"}, ErrorCode::Invalid,
                 "--deadline");
   CHECK_FALSE(std::filesystem::exists(folder + "/s.json"));
+  const auto alone = [&](const char* flag, const char* value, const char* without) {
+    check_refused({"live", "--camera", "sim:still", flag, value}, ErrorCode::Invalid,
+                  fmt::format("give {}, or leave out {}", without, flag));
+  };
+  alone("--strobe", "exposure", "--sync-line gpiochip0:17");
+  alone("--strobe-delay", "1ms", "--sync-line gpiochip0:17");
+  alone("--trigger-gap", "2ms", "--trigger-line gpiochip0:17");
+  alone("--record-codec", "ffv1", "--record walk.mkv");
+  check_refused({"record", "--camera", "sim:still", "--record-codec", "ffv1"}, ErrorCode::Invalid,
+                "no output file; give -o FILE");
   const std::string page_alone = "give --http 127.0.0.1:8080 too";
   check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
   check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
