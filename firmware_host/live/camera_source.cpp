@@ -91,10 +91,18 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.emitted = static_cast<int>(counters.emitted);
   record.dropped = static_cast<int>(counters.dropped());
   record.notes.push_back(proof_of(counters.camera));
-  for (const std::string& account : {trigger_account(), strobe_account()})
+  for (const std::string& account : {light_account(), trigger_account(), strobe_account()})
     if (!account.empty()) record.notes.push_back(account);
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
+}
+
+std::string CameraSource::light_account() const {
+  if (adapt_ != Adapt::Light) return "";
+  const std::uint64_t changes = session_->counters().camera.cycle_changes;
+  if (changes == 0) return "the light did not change the cycle";
+  return fmt::format("the light changed the cycle {} time(s); last to {}", changes,
+                     describe(capture_->schedule().cycle()));
 }
 
 std::string CameraSource::strobe_account() const {

@@ -51,6 +51,8 @@ class CameraSource : public FrameSource, public RunControl {
   CaptureStage& capture() { return *capture_; }
   // What the user should know at the start.
   std::vector<std::string> warnings() const;
+  // How the cycle followed the light; "" where it does not. The session has ended.
+  std::string light_account() const;
   // The account of the trigger line so far, as a sentence; "" without one.
   std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
   // That the strobe line has no pulse for any frame so far; "" where it has, or there is none.

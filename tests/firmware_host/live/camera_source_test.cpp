@@ -258,6 +258,26 @@ TEST_CASE("a strobe line that has a pulse for no frame is told of, with what to 
   }
 }
 
+TEST_CASE("a run that follows the light notes how often, and its last cycle") {
+  Settings settings;
+  settings.camera.id = "sim:walk?size=64x48&rays=1&fps=50";  // its highlights clip at 1 ms
+  settings.camera.format = "RGB24";
+  settings.schedule.shutter = "1ms,4ms";
+  settings.schedule.adapt = Adapt::Light;
+  const std::atomic<bool> stop{false};
+  const auto source = value_of(CameraSource::open(settings, {.frames = 60}, posix_storage(), stop));
+  require_done(source->start());
+  while (value_of(source->next()) != nullptr) continue;
+  RunRecord record;
+  require_done(source->finish(record));
+  const std::uint64_t changes = source->session().counters().camera.cycle_changes;
+  REQUIRE(changes > 0);
+  REQUIRE(record.notes.size() == 2);
+  CHECK(record.notes[1] == fmt::format("the light changed the cycle {} time(s); last to {}", changes,
+                                       describe(source->capture().schedule().cycle())));
+  CHECK_THAT(record.notes[1], !Catch::Contains("last to 1 ms, 4 ms"));
+}
+
 TEST_CASE("a run that only records has no fit to ask for exposures") {
   Settings settings = settings_of("unused");
   settings.schedule.adapt = Adapt::Motion;
