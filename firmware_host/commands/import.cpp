@@ -264,7 +264,9 @@ Result<void> import_any(const ImportOptions& options, const Settings& settings, 
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is no clip.json and no folder of one; leave out --allow-outside",
                              footage.files.front())};
-  if (!footage.gain.empty() && (footage.shutter.empty() || footage.shutter == kAutoShutter))
+  if (!footage.gain.empty() && footage.shutter == kAutoShutter)
+    return Error{ErrorCode::Invalid, "--shutter auto estimates whole exposures; leave out --gain"};
+  if (!footage.gain.empty() && footage.shutter.empty())
     return Error{ErrorCode::Invalid, "--gain goes with the exposure times of --shutter; give both"};
   return clip ? import_clip(around, options, settings) : import_footage(around, options, settings);
 }
