@@ -8,8 +8,10 @@ extern "C" {
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <string_view>
 
 #include "hal/core/parse_number.h"
@@ -107,6 +109,14 @@ void add_exposure(const AVFrame& frame, FrameFacts& facts) {
   take_exif_exposure({*time_s, exif_number(frame, "ISOSpeedRatings"), exif_number(frame, "FNumber")}, facts);
 }
 
+// ISO/IEC 14496-12: the first box is the file's type.
+Result<bool> begins_as_mp4(Storage& storage, const std::string& path) {
+  const auto file = TRY(storage.open(path));
+  std::array<char, 8> head{};
+  TRY(file->read_at(0, std::as_writable_bytes(std::span(head))));
+  return std::string_view(head.data(), head.size()).ends_with("ftyp");
+}
+
 }  // namespace
 
 Error VideoFile::refused(ErrorCode code, const std::string& why) const {
@@ -123,6 +133,11 @@ Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std
   // frees what it was given.
   const int code = avformat_open_input(&demuxer, nullptr, nullptr, nullptr);
   if (file->stream_.failure()) return *file->stream_.failure();
+  if (code < 0 && TRY(begins_as_mp4(storage, path)))
+    return file->refused(
+        ErrorCode::NotRecording,
+        "is an MP4 or MOV that FFmpeg cannot read; one that was cut has lost its index, which "
+        "stands at the end unless the file has fragments");
   if (code < 0)
     return file->refused(ErrorCode::NotRecording, "is neither a video nor a picture that FFmpeg knows");
   file->demuxer_.reset(demuxer);

@@ -244,6 +244,16 @@ TEST_CASE("a video that was cut comes up to its cut") {
   CHECK(static_cast<int>(read_back.frames.size()) + read_back.losses[0].lost.missing == 90);
 }
 
+TEST_CASE("an MP4 that was cut before its index is called one, and not a file that nobody knows") {
+  const std::string path = sample::scratch_folder("footage_no_index") + "/x.mp4";
+  const std::string type("\0\0\0\30ftypisom\0\0\2\0isomiso2", 24), samples("\0\1\0\0mdat", 8);
+  std::ofstream(path, std::ios::binary) << type << samples << std::string(1000, '\0');
+  const Read cut = read({path});
+  REQUIRE(cut.error);
+  CHECK(cut.error->code == ErrorCode::NotRecording);
+  CHECK_THAT(cut.error->message, Contains(path) && Contains("one that was cut has lost its index"));
+}
+
 namespace {
 
 // Motion JPEG at 25 frames per second, as cameras write it.
