@@ -1,11 +1,31 @@
 #include "firmware_host/live/camera_source.h"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/memory_need.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
+namespace {
+
+// Where a camera's pictures are others than those asked for: a driver takes the nearest that it has.
+std::vector<std::string> differences(const Settings::Camera& asked, const CameraFacts& has) {
+  constexpr double kSameRate = 0.01;  // 29.97 for 30
+  std::vector<std::string> notes;
+  if ((asked.width > 0 && asked.width != has.width) || (asked.height > 0 && asked.height != has.height))
+    notes.push_back(fmt::format("'{}' gives pictures of {}x{}, the nearest to --width and --height", has.name,
+                                has.width, has.height));
+  if (asked.framerate_hz > 0 && std::abs(has.framerate_hz / asked.framerate_hz - 1) > kSameRate)
+    notes.push_back(fmt::format("'{}' gives {:.4g} frames per second, not {:g}", has.name, has.framerate_hz,
+                                asked.framerate_hz));
+  return notes;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
@@ -35,6 +55,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
                                             setup.mains, setup.options));
   source->facts_ = source->capture_->facts();
+  if (!source->replayed_) source->differences_ = differences(settings.camera, source->facts_);
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
     recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace,
@@ -45,7 +66,8 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
 }
 
 std::vector<std::string> CameraSource::warnings() const {
-  std::vector<std::string> all = capture_->warnings();
+  std::vector<std::string> all = differences_;
+  std::ranges::copy(capture_->warnings(), std::back_inserter(all));
   if (const std::string note = lines_->note(); !note.empty()) all.push_back(note);
   if (fits_ && !exposure_fixed_ && capture_->schedule().slots() == 1)
     all.emplace_back("one exposure gives no HDR; give a cycle such as --shutter 1ms,4ms,16ms");

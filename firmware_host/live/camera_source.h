@@ -87,6 +87,7 @@ class CameraSource : public FrameSource, public RunControl {
   std::unique_ptr<LiveSession> session_;
   std::optional<ServiceWatch> watch_;
   CameraFacts facts_;
+  std::vector<std::string> differences_;  // from what was asked of the camera
   bool replayed_ = false, fits_ = true;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;

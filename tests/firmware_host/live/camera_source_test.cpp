@@ -1,6 +1,7 @@
 // What a person may change while a camera runs: recordings and the cycle.
 #include "firmware_host/live/camera_source.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -255,6 +256,21 @@ TEST_CASE("a strobe line that has a pulse for no frame is told of, with what to 
     CHECK(source->strobe_account().empty() == marks);
     REQUIRE(record.notes.size() == (marks ? 1 : 2));
     if (!marks) CHECK_THAT(record.notes[1], Catch::Contains("'sim'") && Catch::Contains("--strobe-delay"));
+  }
+}
+
+TEST_CASE("pictures of another size than the one asked for are told of") {
+  Settings settings = settings_of("unused");
+  settings.camera.format = "RGGB8";  // whose sides are even
+  const std::atomic<bool> stop{false};
+  for (const int width : {64, 65}) {
+    settings.camera.width = width;
+    const auto source = value_of(CameraSource::open(settings, {.frames = 1}, posix_storage(), stop));
+    const auto all = source->warnings();
+    const auto told = std::ranges::count_if(all, [](const std::string& note) {
+      return note.find("gives pictures of 64x48, the nearest to --width") != std::string::npos;
+    });
+    CHECK(told == (width == 64 ? 0 : 1));
   }
 }
 
