@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include <mutex>
 #include <ostream>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "firmware_host/commands/command.h"
@@ -237,7 +237,9 @@ class NotingStorage final : public ForwardingStorage {
   // Of those that it made.
   void remove_empty_folders() {
     const std::lock_guard lock(mutex_);
-    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
+    std::error_code in_use;  // a folder that holds something stays
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+      std::filesystem::remove(*folder, in_use);
     made_.clear();
   }
 

@@ -15,7 +15,7 @@ constexpr double kStop = std::numbers::ln2;
 }  // namespace
 
 std::string describe(const CycleRequest& request) {
-  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %",
+  return fmt::format("{}: expected error {:+.0f} %; motion blur was {:.0f} % of it before",
                      describe(request.cycle), 100 * (request.error_after / request.error_before - 1),
                      100 * request.blur_share);
 }

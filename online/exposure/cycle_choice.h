@@ -21,7 +21,7 @@ struct CycleRequest {
   double error_before = 0, error_after = 0;  // expected, of the mu-law, squared
   double blur_share = 0;                     // of error_before: what motion blur adds
 };
-// "1 ms, 2 ms x 2, 4 ms x 4: expected error -18 %, of which motion blur was 62 %"
+// "1 ms, 2 ms x 2, 4 ms x 4: expected error -18 %; motion blur was 62 % of it before"
 std::string describe(const CycleRequest& request);
 
 class CycleChoice {
