@@ -12,6 +12,7 @@ export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null
 if [ "$kind" = address ]; then export HDRCAM_ISA=baseline; fi
 # Programs started by tests inherit these.
 export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
+export LSAN_OPTIONS="suppressions=$here/leak_sanitizer.supp print_suppressions=0"
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$here/thread_sanitizer.supp"
 
