@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "hal/sim/counter_random.h"
+#include "tests/online/exposure/estimate_of.h"
 
 #include <catch2/catch.hpp>
 
@@ -78,17 +79,7 @@ class Loop {
         }
     for (int y = 0; y < kRows; ++y)
       for (int x = 0; x < kCols; ++x) flow_.vectors.at(0, y, x) = -pattern_.speed_px;
-    const FrameEstimate estimate{.frame = frame_,
-                                 .state = state_,
-                                 .own_share = state_.own_share,
-                                 .to_previous = &flow_,
-                                 .field = {},
-                                 .view = {},
-                                 .fit = nullptr,
-                                 .budget = {},
-                                 .white = 16,
-                                 .unseen_variance = unseen_variance_from(16),
-                                 .reference_exposure = reference_};
+    const FrameEstimate estimate = test::estimate_of(frame_, state_, flow_, nullptr, reference_);
     ++frames_;
     auto request = choice_.observe(estimate, {response_, noise_, 1});
     if (request && !refuses_) choice_.runs(*request);

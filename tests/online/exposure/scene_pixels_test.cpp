@@ -9,6 +9,7 @@
 
 #include "hal/sim/counter_random.h"
 #include "online/pictures/between_pixels.h"
+#include "tests/online/exposure/estimate_of.h"
 
 #include <catch2/catch.hpp>
 
@@ -46,18 +47,7 @@ double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwa
       const Offset next = onwards ? onwards(y) : Offset{};
       to_next.at(0, y, x) = next.x, to_next.at(1, y, x) = next.y;
     }
-  const FrameEstimate estimate{.frame = frame,
-                               .state = state,
-                               .own_share = state.own_share,
-                               .to_previous = &flow,
-                               .to_next = onwards ? &to_next : nullptr,
-                               .field = {},
-                               .view = {},
-                               .fit = nullptr,
-                               .budget = {},
-                               .white = 16,
-                               .unseen_variance = unseen_variance_from(16),
-                               .reference_exposure = 1};
+  const FrameEstimate estimate = test::estimate_of(frame, state, flow, onwards ? &to_next : nullptr, 1);
   ScenePixels pixels;
   while (!pixels.complete()) pixels.see(estimate);
   const ScenePixels::Values& values = pixels.misalignment();
