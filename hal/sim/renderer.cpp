@@ -182,8 +182,7 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
   const auto ray = [&](double fraction, int place) {
     return cast(view_at(time_s(fraction)), y, x, samples_.place(place, kRays), objects);
   };
-  // In this order the first two and the last two lie above each other.
-  const std::array<Hit, kRays> hits{ray(0.125, 0), ray(0.375, 2), ray(0.625, 1), ray(0.875, 3)};
+  const std::array<Hit, kRays> hits{ray(0.125, 0), ray(0.375, 1), ray(0.625, 2), ray(0.875, 3)};
   const View& middle = view_at(time_s(0.5));
   const auto sum_of_each = [&](const std::array<Hit, kRays>& each) {
     Colour sum;
@@ -201,11 +200,12 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
     for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0})
       if (surface_of(ray(fraction, 0)) != surface_of(hits[0]))
         return mean_of_many(row, y, x, along_motion, objects);
+  // The mean place of what moves is no mean over its way.
+  if (way > kTwo || along_motion > 1) return sum_of_each(hits) * (1.f / kRays);
   if (way <= kOne) return middle.radiance(mean_of(hits), kGroupWidth * pixel);
-  if (way > kTwo) return sum_of_each(hits) * (1.f / kRays);
-  const std::span<const Hit> all(hits);
-  return (middle.radiance(mean_of(all.first(2)), kGroupWidth * pixel) +
-          middle.radiance(mean_of(all.last(2)), kGroupWidth * pixel)) *
+  const std::array<Hit, 2> left{hits[0], hits[2]}, right{hits[1], hits[3]};  // above each other
+  return (middle.radiance(mean_of(left), kGroupWidth * pixel) +
+          middle.radiance(mean_of(right), kGroupWidth * pixel)) *
          0.5f;
 }
 

@@ -55,20 +55,20 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.8, 37.0, 0.0625, 0.0045},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.5, 35.3, 0.0795,
-     0.008},
-    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.8, 37.35, 0.065,
-     0.005},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.25, 0.037, 0.003},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.55, 0.086, 0.0075},
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.1, 35.4, 0.0665, 0.003},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.95, 33.6, 0.084,
+     0.0065},
+    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.1, 35.7, 0.069,
+     0.003},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.5, 35.75, 0.0382, 0.0045},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.6, 31.1, 0.0872, 0.0075},
     {"state, raw", kRaw, Preset::Balanced, EmitLayer::State, leave, 36.85, 36.15, 0.052, 0.0017},
-    {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 31.8, 28.9, 0.112,
-     0.021},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.6, 37.5, 0.0685, 0.0065},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.7, 0.088, 0.0145},
+    {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 31.8, 28.55, 0.1165,
+     0.0185},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.2, 36.75, 0.071, 0.0045},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.45, 37.4, 0.066, 0.004},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.45, 37.4, 0.066, 0.004},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 36.8, 35.15, 0.0902, 0.013},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -80,11 +80,11 @@ struct PartWorth {
 };
 inline constexpr PartWorth kPartWorths[] = {
     {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},
-    {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
-    {"warp variance", kWalk, no_warp_variance, 2.4, 0.0115},
-    {"gate", kWalk, no_gate, 0.6, 0},
-    {"blur variance", kPan, no_blur_variance, 1.1, 0.0075},
-    {"learned noise", kDim, assumed_noise, 2.5, 0.1},
+    {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0035},
+    {"warp variance", kWalk, no_warp_variance, 2.15, 0.0095},
+    {"gate", kWalk, no_gate, 0.5, 0},
+    {"blur variance", kPan, no_blur_variance, 0.45, 0.003},
+    {"learned noise", kDim, assumed_noise, 2.8, 0.1},
     {"rolling shutter correction", kDim, no_rolling_shutter, 0.9, 0.001},
 };
 
