@@ -29,7 +29,8 @@ void RunLimits::add_to(CommandLine verb) {
       .transform(in_seconds)
       .check([](const std::string& text) {
         const auto seconds = real_number(text);
-        const bool sound = seconds && *seconds > 0 && *seconds <= kLongestRun_s;
+        const bool possible = seconds && *seconds > 0 && *seconds <= kLongestRun_s,
+                   sound = possible && from_seconds(*seconds) > Duration::zero();  // 0 would be no limit
         return sound ? std::string()
                      : fmt::format(
                            "takes a duration such as 90s, or a number of seconds, more than 0 and at most "
