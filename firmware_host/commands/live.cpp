@@ -104,7 +104,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
   if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {
     remark("note: stopped before the first HDR frame\n");
-    return {};
+    return flags.limits.ended_by(camera->end(), counters.captured());
   }
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());

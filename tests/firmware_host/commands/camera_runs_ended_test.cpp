@@ -112,19 +112,35 @@ TEST_CASE("^C is how a run without limits ends well; one that was to go on says 
   }
 }
 
-TEST_CASE("^C before there are frames enough for an HDR frame is no failure either") {
-  const std::string folder = sample::scratch_folder("live_stopped_at_once"), raw = folder + "/raw.mkv";
-  const pid_t process =
-      started({"live", "--camera", "sim:still?size=64x48&fps=2", "--shutter", "1ms,4ms", "--format", "RGB24",
-               "--preset", "fast", "-o", folder + "/%06d.exr", "--record", raw});
-  for (int i = 0; i < 1000 && value_of(posix_storage().look_at(raw)).kind == FileKind::Missing; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  kill(process, SIGINT);  // one frame is there; two are the least
-  int status = 0;
-  REQUIRE(waitpid(process, &status, 0) == process);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == kExitOk);
-  CHECK(value_of(open_recording(posix_storage(), raw))->frame_count());
+TEST_CASE("^C before there are frames enough for an HDR frame is no failure either, but cuts limits short") {
+  for (const bool limited : {false, true}) {
+    const std::string folder =
+        sample::scratch_folder(limited ? "live_cut_short_at_once" : "live_stopped_at_once");
+    const std::string raw = folder + "/raw.mkv";
+    std::vector<std::string> words{"live",
+                                   "--camera",
+                                   "sim:still?size=64x48&fps=2",
+                                   "--shutter",
+                                   "1ms,4ms",
+                                   "--format",
+                                   "RGB24",
+                                   "--preset",
+                                   "fast",
+                                   "-o",
+                                   folder + "/%06d.exr",
+                                   "--record",
+                                   raw};
+    if (limited) words.insert(words.end(), {"--frames", "100000"});
+    const pid_t process = started(words);
+    for (int i = 0; i < 1000 && value_of(posix_storage().look_at(raw)).kind == FileKind::Missing; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(process, SIGINT);  // one frame is there; two are the least
+    int status = 0;
+    REQUIRE(waitpid(process, &status, 0) == process);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == (limited ? kExitInterrupted : kExitOk));
+    CHECK(value_of(open_recording(posix_storage(), raw))->frame_count());
+  }
 }
 
 TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {
