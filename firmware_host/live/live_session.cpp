@@ -23,6 +23,10 @@ int most_waiting(const CameraFacts& camera, int pool, int slots) {
   return std::max(two_cycles, std::min(static_cast<int>(std::lround(camera.framerate_hz)), pool / 2));
 }
 
+Error too_late_for_a_cycle() {
+  return {ErrorCode::Interrupted, "the run ends; no further frame is captured"};
+}
+
 }  // namespace
 
 LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording,
@@ -71,6 +75,8 @@ void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   {
     const std::lock_guard lock(mutex_);
     counters_.ended = true;
+    if (auto wanted = std::exchange(wanted_cycle_, std::nullopt))
+      wanted->done.set_value(too_late_for_a_cycle());
   }
   inbox_.close();
 }
@@ -265,6 +271,7 @@ Result<void> LiveSession::change_cycle(std::vector<Exposure> cycle) {
   std::future<Result<void>> done;
   {
     const std::lock_guard lock(mutex_);
+    if (counters_.ended) return too_late_for_a_cycle();
     wanted_cycle_.emplace(WantedCycle{std::move(cycle), {}});
     done = wanted_cycle_->done.get_future();
   }

@@ -109,7 +109,7 @@ class LiveSession {
   // Takes no more frames; the recording is completed in the background. Errors: NotFound where none is open.
   Result<void> stop_recording();
   // Later requests follow this cycle of as many exposures. Errors: those of CaptureStage::change_cycle;
-  // Invalid for another number of exposures; Timeout where no frame arrives.
+  // Invalid for another number of exposures; Timeout where no frame arrives; Interrupted where the run ends.
   Result<void> change_cycle(std::vector<Exposure> cycle);
 
  private:

@@ -44,6 +44,7 @@ HttpAnswer answer_of(const Error& error) {
     case ErrorCode::Busy:
     case ErrorCode::NotFound:
     case ErrorCode::Unsupported:
+    case ErrorCode::Interrupted:
       return http_error(409, error.message);
     default:
       return http_error(500, error.message);

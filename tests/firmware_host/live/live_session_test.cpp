@@ -159,6 +159,22 @@ TEST_CASE("a run ends when its time is up, and when it is told to") {
   }
 }
 
+TEST_CASE("who asks for a cycle while a run ends hears so with its last frame, not after seconds") {
+  const std::vector<Exposure> cycle{{milliseconds(2), 1}, {milliseconds(8), 1}};
+  Stand stand("still?size=64x48&fps=2");
+  std::atomic<bool> stop{false};
+  LiveSession session(stand.capture(), nullptr, {});
+  require_done(session.start(stop));
+  REQUIRE(session.next({}));
+  std::this_thread::sleep_for(milliseconds(100));  // capture waits for the next frame, which is the last
+  stop = true;
+  require_error(session.change_cycle(cycle), ErrorCode::Interrupted);
+  while (session.next({})) {
+  }
+  require_error(session.change_cycle(cycle), ErrorCode::Interrupted);
+  CHECK(value_of(session.finish()) == LiveEnd::Stopped);
+}
+
 TEST_CASE("a run ends at its time, when it is told to and with a full disk, however busy the fit is") {
   constexpr std::uint64_t kFrames = 100;  // at most; twice as many come while the fit has its first frame
   const auto busy_fit = [](LiveSession& session, const std::atomic<bool>& stop,

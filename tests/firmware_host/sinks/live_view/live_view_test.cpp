@@ -44,6 +44,7 @@ class ExampleControl : public RunControl {
   }
   Result<void> change_cycle(const std::string& to, const std::string& with_gain) override {
     if (to == "wrong") return Error{ErrorCode::Invalid, "'wrong' is no exposure time"};
+    if (to == "late") return Error{ErrorCode::Interrupted, "the run ends"};
     return shutter = to, gain = with_gain, Result<void>();
   }
   std::vector<NamedValue> counters() const override {
@@ -342,6 +343,7 @@ TEST_CASE("recording and cycle are changed with the token alone, and refusals sa
   const HttpReply wrong = post("/cycle", R"({"shutter": "wrong"})", kToken);
   CHECK(wrong.status == 400);
   CHECK(json::parse(wrong.body)["error"] == "'wrong' is no exposure time");
+  CHECK(post("/cycle", R"({"shutter": "late"})", kToken).status == 409);
   for (const char* body : {"", "on", "[]", R"({"on": 1})", R"({"on": "true"})"})
     CHECK(post("/record", body, kToken).status == 400);
   for (const auto& [path, body] : {std::pair("/record", R"({"on": false, "on": true})"),
