@@ -28,6 +28,8 @@ class Governor {
   FrameBudget next();
   // How long that frame took, and what waits behind it.
   void done(const FrameWork& work, Backlog backlog = Backlog::Unknown);
+  // So many frames waited for later ones until the end; they count at the present rung.
+  void ended(int frames) { frames_at_[at_] += frames; }
 
   int rung() const { return static_cast<int>(at_); }  // of the next frame
   const std::vector<Rung>& ladder() const { return ladder_; }

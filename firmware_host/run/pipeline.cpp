@@ -76,6 +76,7 @@ Result<void> Pipeline::ingest(ExposedFrame& frame, const FrameBudget& budget, co
 }
 
 Result<void> Pipeline::finish(const Deliver& deliver) {
+  work_ = {};
   TRY(exposed_.finish([&](ExposedFrame& frame) { return ingest(frame, budget_, deliver); }));
   return online_.finish([&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }

@@ -48,7 +48,7 @@ class Pipeline {
 
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const OnlineStage& online() const { return online_; }
-  // Of the last call of take().
+  // Of the last call of take(); of finish() the frames alone.
   const FrameWork& work() const { return work_; }
   int kept_out() const { return kept_out_; }  // frames
 

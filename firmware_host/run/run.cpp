@@ -180,6 +180,7 @@ Result<void> Run::take_frames() {
     if (governor_) governor_->done(pipeline_.work(), backlog());
   }
   TRY(pipeline_.finish(deliver));
+  if (governor_) governor_->ended(pipeline_.work().frames);
   if (!film_) return {};
   TRY(stopped_film());  // what was not read is not filmed
   return film_->finish(show_);

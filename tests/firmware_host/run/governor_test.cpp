@@ -242,6 +242,10 @@ TEST_CASE("no frame is missed from the count: each is at one rung") {
   int all = 0;
   for (const int frames : governor.frames_at()) all += frames;
   CHECK(all == 106);
+  const auto present = static_cast<std::size_t>(governor.rung());
+  const int before = governor.frames_at()[present];
+  governor.ended(2);
+  CHECK(governor.frames_at()[present] == before + 2);
 }
 
 TEST_CASE(
