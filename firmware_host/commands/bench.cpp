@@ -72,6 +72,8 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
 
   std::string command = "hdrcam bench pareto";
   for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
+  command += " --output " + shell_word(flags.output);
+  for (const std::string& point : flags.points) command += " --point " + shell_word(point);
   if (plan.frames > 0) command += fmt::format(" --frames {}", plan.frames);
   if (plan.repeats > 1) command += fmt::format(" --repeats {}", plan.repeats);
   command += flags.settings->as_flags(settings);

@@ -52,6 +52,10 @@ TEST_CASE(
     CHECK(point.at("ms_per_frame") > 0);
     CHECK(point.at("psnr_mu") > 10);
   }
+  // the command repeats the walk
+  CHECK(json.at("command").get<std::string>().find("--output " + (work / "cost") +
+                                                   " --point fast --point 'look-ahead 0' --point balanced") !=
+        std::string::npos);
   // another knob is another picture, and the look-ahead is worth its time
   const auto db = [&](std::size_t i) { return json.at("points").at(i).at("psnr_mu").get<double>(); };
   CHECK(db(1) < db(2));
