@@ -180,6 +180,9 @@ Result<void> take(const Entry& entry, Settings& settings) {
   auto value = scalar(*entry.node);
   if (field->list && entry.node->is_array()) value = joined(*entry.node->as_array());
   if (!value) return not_accepted(*field, entry.key, word_for(*entry.node));
+  // the system's names end there: "a\u0000.mkv" would be written to 'a'
+  if (const auto* text = std::get_if<std::string>(&*value); text && text->find('\0') != std::string::npos)
+    return Error{ErrorCode::Invalid, fmt::format("{} has a \\u0000, which no setting takes", entry.key)};
   return set(*field, *value, entry.key, settings);
 }
 

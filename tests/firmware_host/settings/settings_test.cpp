@@ -352,6 +352,13 @@ TEST_CASE("letters beyond ASCII belong in quotes or comments") {
         "live.toml:3: no setting is a multi-line text");
 }
 
+TEST_CASE("a name with a zero byte, at which the system would cut it off, is refused") {
+  CHECK(sentence(from_toml("[record]\nfile = \"a\\u0000.mkv\"\n")) ==
+        "live.toml:2: record.file has a \\u0000, which no setting takes");
+  CHECK_FALSE(from_toml("[schedule]\ngain = [\"1\\u0000\", 2]\n").ok());
+  CHECK(from_toml("[record]\nfile = \"a\\\\u0000.mkv\"\n").value().record.file == "a\\u0000.mkv");
+}
+
 TEST_CASE("a file that cannot be read is an error of its own kind") {
   const auto missing = from_flags({"--config", "/no/such/live.toml"});
   REQUIRE_FALSE(missing.ok());
