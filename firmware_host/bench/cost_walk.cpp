@@ -79,6 +79,7 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
 
 Result<void> walk(const CostWalk& plan, const Settings& settings, const std::string& scratch,
                   Storage& storage, const std::atomic<bool>& stop, std::vector<PointCost>& costs) {
+  for (const std::string& clip : plan.clips) TRY(ImageSequence::open(storage, clip));  // before hours of work
   for (const std::string& clip : plan.clips)
     for (const CostPoint& point : plan.points) {
       costs.push_back(TRY(measure(point, clip, plan, settings, scratch, storage, stop)));

@@ -68,7 +68,7 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
   const bool interrupted = !walked && walked.error().code == ErrorCode::Interrupted;
   if (interrupted && costs.empty())
     return Error{ErrorCode::Interrupted, "stopped before a point was measured; nothing was written"};
-  if (!walked && !interrupted) return walked.error();
+  if (!walked && costs.empty()) return walked.error();
 
   std::string command = "hdrcam bench pareto";
   for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
@@ -89,7 +89,7 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
   if (interrupted)
     return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} points; the pages hold these",
                                                      costs.size(), plan.points.size() * plan.clips.size())};
-  return {};
+  return walked;
 }
 
 struct KernelBenchFlags {

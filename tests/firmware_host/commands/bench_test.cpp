@@ -65,6 +65,27 @@ TEST_CASE(
   CHECK_FALSE(std::filesystem::exists(work / "cost/frames"));
 }
 
+TEST_CASE(
+    "hdrcam bench pareto finds a clip that is none first, and keeps what it measured before another fault") {
+  synthetic_clip::TemporaryFolder work;
+  REQUIRE(ran({"simulate", "walk?size=96x64", "--frames", "10", "--truth", work / "walk"}).exit_code == 0);
+  const auto walk_with = [&](const std::string& clip, const std::string& folder) {
+    const Ran bench =
+        ran({"bench", "pareto", work / "walk", work / clip, "-o", work / folder, "--point", "fast"});
+    INFO(bench.output);
+    CHECK(bench.exit_code == exit_code_of(ErrorCode::NotFound));
+    return bench.output;
+  };
+  CHECK(walk_with("none", "none_cost").find("ms a frame") == std::string::npos);
+  std::filesystem::copy(work / "walk", work / "blind", std::filesystem::copy_options::recursive);
+  std::filesystem::remove_all(work / "blind/gt");
+  CHECK(walk_with("blind", "blind_cost").find("ground truth") != std::string::npos);
+  const auto json =
+      nlohmann::json::parse(read_whole(posix_storage(), work / "blind_cost/pareto.json").value());
+  REQUIRE(json.at("points").size() == 1);
+  CHECK(json.at("points").at(0).at("clip") == "walk");
+}
+
 TEST_CASE("hdrcam bench pareto measures the same whatever outputs a file of settings names") {
   synthetic_clip::TemporaryFolder work;
   REQUIRE(ran({"simulate", "walk?size=96x64", "--frames", "10", "--truth", work / "walk"}).exit_code == 0);
