@@ -102,6 +102,13 @@ bool are_usual(std::span<const float> values) {
   return std::ranges::all_of(values, [](float value) { return std::abs(value) <= kMost; });
 }
 
+bool is_usual(const BasePixel& pixel) {
+  constexpr std::size_t kShifts = 4;
+  const std::span<const float> all = pixel, shifts = all.subspan(kBaseFlow, kShifts);
+  return are_usual(all.first(kBaseFlow)) && are_usual(all.subspan(kBaseFlow + kShifts)) &&
+         std::ranges::all_of(shifts, [](float shift) { return std::abs(shift) <= kMostShift; });
+}
+
 Result<void> load_base(SectionReader& file, const WindowFrustum& frustum, Image<BasePixel>& base) {
   TRY(file.begin(kBase));
   const std::uint64_t pixels =
@@ -110,8 +117,7 @@ Result<void> load_base(SectionReader& file, const WindowFrustum& frustum, Image<
   base.reshape(1, frustum.rows, frustum.cols);
   TRY(file.read(std::as_writable_bytes(base.samples())));
   TRY(file.end());
-  if (!std::ranges::all_of(base.samples(), [](const BasePixel& pixel) { return are_usual(pixel); }))
-    return file.wrong("it holds a value that no field has");
+  if (!std::ranges::all_of(base.samples(), is_usual)) return file.wrong("it holds a value that no field has");
   return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numbers>
 #include <thread>
 
 #include "hal/sections/section_file.h"
@@ -112,6 +113,24 @@ bool same(const Image<float>& a, const Image<float>& b) {
   return a.same_shape(b) && std::memcmp(a.plane(0), b.plane(0), a.size() * sizeof(float)) == 0;
 }
 
+// Written to a file in that folder and read again.
+Result<std::unique_ptr<FieldSnapshot>> saved_and_loaded(const SnapshotHold& held, const std::string& folder) {
+  constexpr SectionFormat kFormat{.what = "a field",
+                                  .magic = {'f', 'i', 'e', 'l', 'd', ' ', ' ', ' '},
+                                  .version = 1,
+                                  .mend = "save it again"};
+  const std::string path = test::scratch_folder(folder) + "/field";
+  auto writer = SectionWriter::create(posix_storage(), path, kFormat);
+  REQUIRE(writer.ok());
+  REQUIRE(held->save(*writer).ok());
+  REQUIRE(writer->finish().ok());
+  auto reader = SectionReader::open(posix_storage(), path, kFormat);
+  REQUIRE(reader.ok());
+  auto loaded = load_field(*reader, nullptr);
+  if (loaded) CHECK(reader->end_of_file().ok());
+  return loaded;
+}
+
 }  // namespace
 
 TEST_CASE("a snapshot that is held stays as it was, whatever the field learns meanwhile", "[field]") {
@@ -149,11 +168,6 @@ TEST_CASE(
     "a snapshot that is saved and loaded shows what it showed, from any view and at any time, to the bit",
     "[field]") {
   const double step = GENERATE(0., 0.3);  // of the camera, near planes a frame
-  constexpr SectionFormat kFormat{.what = "a field",
-                                  .magic = {'f', 'i', 'e', 'l', 'd', ' ', ' ', ' '},
-                                  .version = 1,
-                                  .mend = "save it again"};
-  const std::string path = test::scratch_folder("field_saved") + "/field";
   WorkerPool pool(1);
   Told told;
   const auto field = told.hash_grid(pool);
@@ -164,15 +178,8 @@ TEST_CASE(
     told.take(*field, i), field->fit(budget);
   }
   const SnapshotHold held = field->snapshot();
-  auto writer = SectionWriter::create(posix_storage(), path, kFormat);
-  REQUIRE(writer.ok());
-  REQUIRE(held->save(*writer).ok());
-  REQUIRE(writer->finish().ok());
-  auto reader = SectionReader::open(posix_storage(), path, kFormat);
-  REQUIRE(reader.ok());
-  const auto loaded = load_field(*reader, nullptr);
+  const auto loaded = saved_and_loaded(held, "field_saved");
   REQUIRE(loaded.ok());
-  CHECK(reader->end_of_file().ok());
   for (const double aside : {0., 0.2})
     for (const double earlier_s : {0., 0.015, 0.1}) {
       CAPTURE(aside, earlier_s);
@@ -189,6 +196,29 @@ TEST_CASE(
       CHECK(same(before.flow[1], after.flow[1]));
       CHECK(same(before.confidence, after.confidence));
     }
+}
+
+TEST_CASE(
+    "a snapshot is read again though its last frame was seen from elsewhere, with its back to the others",
+    "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  FitBudget budget = FitStream::small_budget();
+  budget.steps = 2;
+  for (int i = 0; i < 9; ++i) {
+    if (i == 8) told.pose.T_world_camera = {rotation({0, std::numbers::pi, 0}), {100, 0, 0}};
+    told.take(*field, i), field->fit(budget);
+  }
+  const SnapshotHold held = field->snapshot();
+  const auto loaded = saved_and_loaded(held, "field_turned");
+  REQUIRE(loaded.ok());
+  SceneView view = told.view();
+  view.T_world_camera = told.pose.T_world_camera;
+  FieldPicture before, after;
+  held->look(view, pool, before);
+  loaded.value()->look(view, pool, after);
+  CHECK(same(before.radiance, after.radiance));
 }
 
 TEST_CASE("one thread looks while another fits, and sees what it would have seen alone", "[field]") {

@@ -291,7 +291,8 @@ RigidTransform Window::move_anchor() {
           here_new.place(start, q, point);
           there_new.place(end, q, x_end);
           for (std::size_t a = 0; a < 2; ++a)
-            base[kBaseFlow + 2 * k + a] = static_cast<float>((x_end[a] - point[a]) / unit[a]);
+            base[kBaseFlow + 2 * k + a] =
+                std::clamp(static_cast<float>((x_end[a] - point[a]) / unit[a]), -kMostShift, kMostShift);
         }
     }
   }

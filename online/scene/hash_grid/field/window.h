@@ -72,6 +72,10 @@ struct WindowFrame {
 
 constexpr float kNoValue = -1;
 constexpr int kGuideStep = 8;
+// The longest displacement of a base, up and down, in pixels of the anchor: that of what lies beside or
+// behind the anchor's camera, as it does where a view turns away or jumps, grows each time that the anchor
+// moves.
+constexpr float kMostShift = 1e15f;
 
 struct WindowOptions {
   // At most what the fit's shaders have room for: a uniform block of 84 vec4, six a view
