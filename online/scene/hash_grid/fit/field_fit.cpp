@@ -84,8 +84,10 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   refresh_guide(window, field(), probe_);
   const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
   TRY(window.advance(seen, pool_));
-  if (!options_.fits_response || !response_started_) state_.response.start_from(response);
-  response_started_ = true;
+  const std::array<Response::Curve, 3> estimate{response.inverse(0), response.inverse(1),
+                                                response.inverse(2)};
+  if (!options_.fits_response || estimate != estimate_) state_.response.start_from(response);
+  estimate_ = estimate;
 
   const int slot = window.newest().slot;
   if (previous_slot >= 0) {  // a new frame starts from its predecessor's parameters

@@ -8,6 +8,7 @@
 // again and goes on.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "hal/core/worker_pool.h"
@@ -36,15 +37,15 @@ class FieldFit {
            GpuDevice* gpu = nullptr);
   ~FieldFit();
 
-  // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
-  // (window.h); the window is then unchanged.
+  // response: the estimate at this frame; a fit that refines its own ignores it until it is another one than
+  // before. Errors: Invalid, BadExposure (window.h); the window is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
   // Forgets all frames and what was fitted to them: the window; networks and tables, which are reinitialised,
   // with their last good copies; the usual loss and gradient norm; Adam's moments and the number of steps
   // taken, from which the learning rate's warm-up and Adam's bias correction count. Steps on a graphics
   // device that settle() has not collected are dropped. What survives: the response as it was learned, and
-  // that it was started: a fit that refines it goes on ignoring the estimates of observe(); the misfit of
-  // each tile, by slot, from which pixels are chosen; the state of the random numbers, so that the new
+  // the estimate that it began with: a fit that refines it goes on ignoring that one in observe(); the misfit
+  // of each tile, by slot, from which pixels are chosen; the state of the random numbers, so that the new
   // networks are other ones; counts(); the budget; and whether the CPU has replaced the device.
   void restart();
   // Sets the budget of the next steps and of rendering.
@@ -111,8 +112,8 @@ class FieldFit {
   StepSums sums_;                    // of the step
   std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
-  bool response_started_ = false;
-  bool ready_ = false;  // for steps on the newest frame
+  std::array<Response::Curve, 3> estimate_{};  // of the response, at the newest frame
+  bool ready_ = false;                         // for steps on the newest frame
   CpuFit cpu_;
   std::unique_ptr<VulkanFit> gpu_;  // null: the CPU takes the steps
   Uncollected uncollected_;

@@ -155,6 +155,31 @@ TEST_CASE("a fit that starts anew refines its response as in a first step", "[is
   CHECK(moved > 100);
 }
 
+TEST_CASE("a fit that refines its response takes the estimate again where that is learned anew",
+          "[isa][field]") {
+  FieldOptions options = FitStream::small_options();
+  options.fits_response = true;
+  Stream stream(options);
+  const auto points_of = [](const LearnedResponse<float>& response) {
+    std::vector<float> points;
+    for (int c = 0; c < 3; ++c)
+      for (int j = 0; j < LearnedResponse<float>::kPoints; ++j) points.push_back(response.point(c, j));
+    return points;
+  };
+  for (int i = 0; i < 4; ++i) {
+    REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+    for (int s = 0; s < 10; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  }
+  const std::vector<float> refined = points_of(stream.fit.response());
+  CHECK(refined != points_of(LearnedResponse<float>(stream.scene.response)));
+  stream.fit.restart();
+  REQUIRE(stream.fit.observe(stream.scene.frame(4), stream.scene.response).ok());
+  CHECK(points_of(stream.fit.response()) == refined);
+  const Response other = Response::gamma(1.4f);
+  REQUIRE(stream.fit.observe(stream.scene.frame(5), other).ok());
+  CHECK(points_of(stream.fit.response()) == points_of(LearnedResponse<float>(other)));
+}
+
 TEST_CASE("the response stays monotone, from 0 to 1, after every refinement", "[isa][field][stability]") {
   FieldOptions options = FitStream::small_options();
   options.fits_response = true;
