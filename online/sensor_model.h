@@ -80,6 +80,10 @@ class SensorModel {
   const BlackLevel& black_level() const { return black_level_; }
   const ExposureCorrections& exposures() const { return exposures_; }
   const NoiseModel& noise() const { return noise_; }  // at reference_gain()
+  // False where no frames say anything about the noise yet, or are not asked: what was assumed stands in.
+  bool noise_measured() const {
+    return noise_.full_well != assumed_noise_.full_well || noise_.read_noise != assumed_noise_.read_noise;
+  }
   NoiseOrigin noise_origin() const { return noise_origin_; }
   double reference_gain() const { return reference_gain_; }  // of the first frame
   // The share of the local contrast that the camera's own processing leaves as error (texture_error.h); where

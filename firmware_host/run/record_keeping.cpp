@@ -89,7 +89,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
     record.notes.push_back(
         fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
   const NoiseModel& noise = sensor.noise();
-  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
+  record.notes.push_back(fmt::format("noise{}: full well {:.0f} electrons, read noise {:.1f} electrons",
+                                     sensor.noise_measured() ? "" : " (assumed, not measured)",
                                      noise.full_well, noise.read_noise));
   if (const float share = sensor.texture_error(); share > 0)
     record.notes.push_back(fmt::format(

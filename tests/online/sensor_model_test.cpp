@@ -77,8 +77,10 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
     origin = estimate.noise_origin;
     return {};
   };
+  CHECK_FALSE(stream.online().sensor().noise_measured());
   for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
   CHECK(origin == NoiseOrigin::Unknown);
+  CHECK(stream.online().sensor().noise_measured());
   CHECK(stream.online().sensor().noise().full_well > 500);
   CHECK(stream.online().sensor().noise().full_well < 2000);
 }

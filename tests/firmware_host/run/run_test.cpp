@@ -130,6 +130,18 @@ TEST_CASE("a response that no frame shows is not told to the source, which judge
   CHECK_FALSE(says_so());
 }
 
+TEST_CASE("a run says so where no frame tells its noise") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.covered_frames = 14;
+  MemorySource source(14, {}, scene);
+  require_done(run(plan(), source, posix_storage()));
+  REQUIRE(seen.record);
+  CHECK(std::ranges::count(
+            seen.record->notes,
+            "noise (assumed, not measured): full well 4000 electrons, read noise 9.0 electrons") == 1);
+}
+
 TEST_CASE("a run says so where the first frame states no pose and later ones do") {
   const std::size_t first = GENERATE(0, 1, 99);
   MemorySource source(9, {});
