@@ -296,10 +296,11 @@ TimeCode time_code(Duration since_start, double framerate_hz) {
   HDRCAM_CHECK_GT(framerate_hz, 0.0);
   constexpr int kFrames = 30;  // the largest count; faster cameras count pairs, triples.. of frames (ST 12-1)
   const double counts_per_s = framerate_hz / std::ceil(framerate_hz / kFrames);
-  const auto second = since_start.count() / 1'000'000'000;
-  const double fraction = static_cast<double>(since_start.count() % 1'000'000'000) * 1e-9;
-  // frame n at n / 30 s, rounded to nanoseconds, is frame n
-  const int frame = std::min(static_cast<int>((fraction + 5e-7) * counts_per_s), kFrames - 1);
+  // Times tremble, and those of Matroska are whole milliseconds: frame n at about n / 30 s is frame n.
+  const Duration time = since_start + from_seconds(0.5 / std::max<double>(framerate_hz, kFrames));
+  const auto second = time.count() / 1'000'000'000;
+  const double fraction = static_cast<double>(time.count() % 1'000'000'000) * 1e-9;
+  const int frame = std::min(static_cast<int>(fraction * counts_per_s), kFrames - 1);
   return {static_cast<int>(second / 3600 % 24), static_cast<int>(second / 60 % 60),
           static_cast<int>(second % 60), frame};
 }

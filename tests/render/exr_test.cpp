@@ -180,6 +180,22 @@ TEST_CASE("a time code counts frames, carries into seconds and wraps at midnight
   REQUIRE(at_frame(59, 60) == TimeCode{0, 0, 0, 29});  // pairs of frames above 30 Hz
 }
 
+TEST_CASE("frames whose times tremble, or are whole milliseconds, keep their own time codes") {
+  using namespace std::chrono_literals;
+  for (const int hz : {24, 25, 30}) {
+    for (int n = 1; n < 3 * hz; ++n) {
+      const Duration time = from_seconds(n / static_cast<double>(hz));
+      const TimeCode wanted{0, 0, n / hz, n % hz};
+      INFO(hz << " Hz, frame " << n);
+      REQUIRE(time_code(std::chrono::round<std::chrono::milliseconds>(time), hz) == wanted);
+      REQUIRE(time_code(time - 3us, hz) == wanted);
+      REQUIRE(time_code(time + 3us, hz) == wanted);
+    }
+  }
+  REQUIRE(time_code(999'999'700ns, 25) == TimeCode{0, 0, 1, 0});  // no frame 25 of a second of 25
+  REQUIRE(time_code(10s, 0.1) == TimeCode{0, 0, 10, 0});          // slower than seconds
+}
+
 TEST_CASE("an OpenEXR file cut anywhere is an error, never a crash or a picture") {
   const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
   for (const auto compression :
