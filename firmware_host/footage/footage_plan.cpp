@@ -94,15 +94,18 @@ Result<void> take_regular_times(Scan& seen, double rate_hz, std::string& trouble
 }
 
 // Of stills the median. Matroska has times in milliseconds, so that a video's intervals of one frame differ:
-// their mean.
-double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times) {
+// their mean, or what the file states where rounding may be the difference.
+double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times, double stated_hz) {
   constexpr double kLeast = 0.45, kMost = 1.55;  // of the median: what may be one frame
+  constexpr double kRounding_s = 1e-3;           // of the first and the last time together
   std::ranges::sort(intervals_s);
   const double median_s = intervals_s[intervals_s.size() / 2];
   if (times == TimeOrigin::Exif || !(median_s > 0)) return median_s;
   const auto begin = std::ranges::lower_bound(intervals_s, kLeast * median_s);
   const auto end = std::ranges::upper_bound(intervals_s, kMost * median_s);
-  return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+  const double sum_s = std::accumulate(begin, end, 0.0),
+               stated_s = static_cast<double>(end - begin) / stated_hz;
+  return (std::abs(sum_s - stated_s) < kRounding_s ? stated_s : sum_s) / static_cast<double>(end - begin);
 }
 
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
@@ -112,7 +115,7 @@ void read_times(Scan& seen, TimeOrigin times) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < seen.facts.size(); ++i)
     intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
-  const double usual_s = usual_interval_s(intervals_s, times);
+  const double usual_s = usual_interval_s(intervals_s, times, seen.camera.framerate_hz);
   if (!(usual_s > 0)) return;  // no times worth the name
   seen.camera.framerate_hz = 1 / usual_s;
   if (times == TimeOrigin::Exif) return;
