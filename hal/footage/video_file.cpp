@@ -36,6 +36,11 @@ bool is_full_range(const AVFrame& frame) {
   return frame.color_range == AVCOL_RANGE_JPEG || name.starts_with("yuvj");
 }
 
+// Rows of two moments; those of a PNG may be stored in another order, which its decoder calls so, too.
+bool is_interlaced(const AVFrame& frame, AVCodecID codec) {
+  return frame.interlaced_frame != 0 && codec != AV_CODEC_ID_PNG && codec != AV_CODEC_ID_APNG;
+}
+
 ChromaSite chroma_site_of(const AVFrame& frame) {
   switch (frame.chroma_location) {
     case AVCHROMA_LOC_CENTER:
@@ -344,7 +349,7 @@ Result<bool> VideoFile::next(RawFrame& frame) {
                      "is damaged or cut and does not decode; copy it again, or leave it out");
     return false;
   }
-  if (frame_->interlaced_frame != 0)
+  if (is_interlaced(*frame_, decoder_->codec_id))
     return refused(ErrorCode::Unsupported, "is interlaced; make whole frames of it first: ffmpeg -vf bwdif");
   const bool first = pixel_format_ < 0;
   if (first) TRY(prepare());

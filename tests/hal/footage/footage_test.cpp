@@ -1,7 +1,10 @@
 #include "hal/footage/footage.h"
 
+#include <png.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -74,6 +77,31 @@ std::string png(const std::string& path, const Image<std::uint16_t>& rgb, int bi
   return path;
 }
 
+// The rows and columns in the order of Adam7.
+void write_interlaced_png(const std::string& path, const Image<std::uint16_t>& rgb) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  REQUIRE(file != nullptr);
+  png_init_io(png, file);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(rgb.cols()), static_cast<png_uint_32>(rgb.rows()), 8,
+               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  std::vector<std::vector<png_byte>> rows;
+  std::vector<png_bytep> lines;
+  for (int y = 0; y < rgb.rows(); ++y) {
+    std::vector<png_byte>& row = rows.emplace_back();
+    for (int x = 0; x < rgb.cols(); ++x)
+      for (int c = 0; c < 3; ++c) row.push_back(static_cast<png_byte>(rgb.at(c, y, x)));
+    lines.push_back(row.data());
+  }
+  png_write_info(png, info);
+  png_write_image(png, lines.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  std::fclose(file);
+}
+
 }  // namespace
 
 TEST_CASE("a video of eight bits comes as RGB of ten, its frames within a code of what was filmed") {
@@ -130,6 +158,15 @@ TEST_CASE("PNG pictures keep every code, eight or sixteen bits, colour or grey")
     CHECK(mono.camera.layout == PixelLayout::Mono);
     CHECK(sample::same(mono.frames[0].codes, grey));
   }
+}
+
+TEST_CASE("a PNG that is stored in the order of Adam7 is no interlaced video") {
+  const std::string path = sample::scratch_folder("footage_adam7") + "/a.png";
+  write_interlaced_png(path, patches(1, 33, 47));
+  const Read read_back = read({path});
+  REQUIRE_FALSE(read_back.error);
+  REQUIRE(read_back.frames.size() == 1);
+  CHECK(sample::same(read_back.frames[0].codes, patches(1, 33, 47)));
 }
 
 TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture") {
