@@ -160,8 +160,11 @@ Result<void> VideoFile::open_decoder() {
   if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
   const AVStream& stream = *demuxer_->streams[track_];
   decoder_.reset(avcodec_alloc_context3(codec));
-  decoder_->thread_count = 0;                                  // as many as there are processors
-  decoder_->err_recognition = AV_EF_EXPLODE | AV_EF_CRCCHECK;  // no picture whose rest is made up
+  decoder_->thread_count = 0;  // as many as there are processors
+  // No picture whose rest is made up; of TIFF it would refuse every one with a tag that FFmpeg does not know,
+  // such as the unit of resolution.
+  const bool explodes = codec->id != AV_CODEC_ID_TIFF;
+  decoder_->err_recognition = AV_EF_CRCCHECK | (explodes ? AV_EF_EXPLODE : 0);
   if (avcodec_parameters_to_context(decoder_.get(), stream.codecpar) < 0 ||
       avcodec_open2(decoder_.get(), codec, nullptr) < 0)
     return refused(ErrorCode::Unsupported, fmt::format("cannot be decoded as {}", codec->name));

@@ -11,6 +11,7 @@
 
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/dng_file.h"
 #include "tests/support/footage_files.h"
 
 #include "tests/support/files.h"
@@ -74,6 +75,34 @@ double difference(const RawFrame& frame, int bits, const Image<std::uint16_t>& r
 
 std::string png(const std::string& path, const Image<std::uint16_t>& rgb, int bits = 8) {
   REQUIRE(write_png(posix_storage(), path, {bits, rgb.clone()}).ok());
+  return path;
+}
+
+// Of 16 bits, in one strip, with a unit of resolution as most programs write it.
+std::string tiff(const std::string& path, const Image<std::uint16_t>& rgb) {
+  const auto rows = static_cast<std::uint32_t>(rgb.rows()), cols = static_cast<std::uint32_t>(rgb.cols());
+  const auto directory = [&](std::uint32_t strip_at) {
+    test::TiffDirectory tags;
+    tags.longs(256, {cols});
+    tags.longs(257, {rows});
+    tags.shorts(258, {16, 16, 16});
+    tags.shorts(259, {1});
+    tags.shorts(262, {2});
+    tags.longs(273, {strip_at});
+    tags.shorts(277, {3});
+    tags.longs(278, {rows});
+    tags.longs(279, {rows * cols * 6});
+    tags.shorts(296, {2});
+    return tags.at(8);
+  };
+  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};
+  for (const auto byte : directory(static_cast<std::uint32_t>(8 + directory(0).size())))
+    bytes.push_back(byte);
+  for (int y = 0; y < rgb.rows(); ++y)
+    for (int x = 0; x < rgb.cols(); ++x)
+      for (int c = 0; c < 3; ++c) test::TiffDirectory::put(bytes, rgb.at(c, y, x), 2);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return path;
 }
 
@@ -167,6 +196,17 @@ TEST_CASE("a PNG that is stored in the order of Adam7 is no interlaced video") {
   REQUIRE_FALSE(read_back.error);
   REQUIRE(read_back.frames.size() == 1);
   CHECK(sample::same(read_back.frames[0].codes, patches(1, 33, 47)));
+}
+
+TEST_CASE("TIFF pictures keep every code, whatever else their tags say") {
+  const std::string path = sample::scratch_folder("footage_tiff") + "/a.tif";
+  Image<std::uint16_t> rgb = patches(2, 33, 47);
+  for (auto& code : rgb.samples()) code = static_cast<std::uint16_t>(code * 257 - (code > 0 ? 1 : 0));
+  const Read read_back = read({tiff(path, rgb)});
+  REQUIRE_FALSE(read_back.error);
+  CHECK(read_back.camera.bits == 16);
+  REQUIRE(read_back.frames.size() == 1);
+  CHECK(sample::same(read_back.frames[0].codes, rgb));
 }
 
 TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture") {
@@ -402,7 +442,9 @@ TEST_CASE("a damaged still is an error that names it, wherever it stands") {
   test::write_jpeg(folder + "/a.jpg", patches(0), std::nullopt);
   test::write_jpeg(folder + "/b.jpg", patches(1), std::nullopt);
   png(folder + "/c.png", patches(0)), png(folder + "/d.png", patches(1));
-  for (const auto& [whole, cut] : {std::pair{"/a.jpg", "/b.jpg"}, std::pair{"/c.png", "/d.png"}}) {
+  tiff(folder + "/e.tif", patches(0)), tiff(folder + "/f.tif", patches(1));
+  for (const auto& [whole, cut] :
+       {std::pair{"/a.jpg", "/b.jpg"}, std::pair{"/c.png", "/d.png"}, std::pair{"/e.tif", "/f.tif"}}) {
     const std::string damaged = folder + cut;
     std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) * 2 / 3);
     for (const auto& files : {std::vector{folder + whole, damaged}, std::vector{damaged, folder + whole}}) {
