@@ -124,11 +124,17 @@ void read_times(Scan& seen, TimeOrigin times) {
         static_cast<int>(std::clamp(std::round(intervals_s[i] / usual_s) - 1, 0.0, kMostMissing));
 }
 
+// Time and gain of a slot are those of its first frame.
 void take_stated_cycle(FootagePlan& plan) {
   const ExposureCycle cycle = find_exposure_cycle(plan.facts);
   const FrameFacts first = plan.facts.front();
-  for (FrameFacts& facts : plan.facts) facts.slot = slot_of(cycle, first, facts);
-  for (const double exposure : cycle.exposures) plan.cycle.push_back({from_seconds(exposure), 1});
+  plan.cycle.resize(cycle.exposures.size());
+  for (std::size_t i = plan.facts.size(); i-- > 0;) {
+    FrameFacts& facts = plan.facts[i];
+    facts.slot = slot_of(cycle, first, facts);
+    if (facts.slot >= 0 && facts.has_exposure())
+      plan.cycle[static_cast<std::size_t>(facts.slot)] = {from_seconds(facts.exposure_s), facts.gain()};
+  }
 }
 
 // Apertures are factors beside the first frame's.

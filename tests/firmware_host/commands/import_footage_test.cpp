@@ -419,6 +419,17 @@ TEST_CASE("--list writes nothing, and an import never takes the place of its foo
   CHECK(sample::error_of(import_verb(path + " --shutter 1ms,4ms,16ms")).code == ErrorCode::Invalid);
 }
 
+TEST_CASE("--list shows the cycle that EXIF states by its times and gains, not by their products") {
+  const std::string folder = sample::scratch_folder("import_list_exif");
+  for (int i = 0; i < 9; ++i)
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes,
+                     test::Exif{1u << 2 * (i % 3), 1000, 400, 80});
+  const test::Ran listed = test::ran({"import", folder, "--list"});
+  CHECK(listed.exit_code == 0);
+  CHECK_THAT(listed.output,
+             Contains("a cycle of 1 ms x 4, 4 ms x 4, 16 ms x 4; the first frame is number 1"));
+}
+
 TEST_CASE("--list shows estimated exposures as ratios, and warns as the import does") {
   const std::string folder = sample::scratch_folder("import_list_auto");
   REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 36, {}))).ok());
