@@ -59,6 +59,7 @@ void count(RecordingSummary& summary, const FrameFacts& facts, const FrameFacts*
   summary.with_pose += facts.T_world_camera.has_value();
   const double exposure = facts.exposure();
   if (!(exposure > 0) || !std::isfinite(exposure)) return;
+  summary.amplified |= facts.gain() != 1;
   summary.longest_exposure_s = std::max(summary.longest_exposure_s, exposure);
   summary.shortest_exposure_s =
       summary.shortest_exposure_s > 0 ? std::min(summary.shortest_exposure_s, exposure) : exposure;
@@ -69,21 +70,25 @@ bool is_relative(const RecordingSummary& summary) {
   return summary.sources.contains(name(ExposureSource::Estimated));
 }
 
+const char* exposure_unit(const RecordingSummary& summary) { return summary.amplified ? "s x gain" : "s"; }
+
 std::string schedule_text(const RecordingSummary& summary) {
   const ExposureCycle& cycle = summary.cycle;
   if (cycle.period == 0) return "none found";
   std::string text;
   for (const double slot : slots_ev(cycle)) text += (text.empty() ? "" : " / ") + signed_text(slot, 2);
   return fmt::format("{} slot(s): {} EV{}", cycle.period, text,
-                     is_relative(summary) ? "" : fmt::format(" about {:.6g} s", reference_s(cycle)));
+                     is_relative(summary)
+                         ? ""
+                         : fmt::format(" about {:.6g} {}", reference_s(cycle), exposure_unit(summary)));
 }
 
 std::string exposures_text(const RecordingSummary& summary) {
   if (!(summary.longest_exposure_s > 0)) return "unknown";
   if (is_relative(summary))
     return fmt::format("estimated from the pictures, relative, {:.2f} EV", range_ev(summary));
-  return fmt::format("{:.6g} .. {:.6g} s, {:.2f} EV", summary.shortest_exposure_s, summary.longest_exposure_s,
-                     range_ev(summary));
+  return fmt::format("{:.6g} .. {:.6g} {}, {:.2f} EV", summary.shortest_exposure_s,
+                     summary.longest_exposure_s, exposure_unit(summary), range_ev(summary));
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ struct RecordingSummary {
   Duration duration{0};                   // first to last centre of exposure, plus one frame
   double shortest_exposure_s = 0,
          longest_exposure_s = 0;  // products of time and gains, 0 where none is known
+  bool amplified = false;         // by a gain other than 1
   ExposureCycle cycle;
   LeftOut left_out;          // frames that are there, but damaged
   std::string behind;        // a sentence on another recording behind this one in the file; "": none

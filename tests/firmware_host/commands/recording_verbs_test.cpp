@@ -382,6 +382,30 @@ TEST_CASE(
   CHECK(json.at("exposure_sources").at("estimated") == 8);
 }
 
+TEST_CASE("info calls exposures with a gain products, and those without one times") {
+  const std::string path = sample::scratch_folder("info_gain") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  for (const double gain : {1., 8.}) {
+    auto frames = sample::frames(camera, 8, 2);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      FrameFacts& facts = frames[i].facts;
+      facts.sequence = i, facts.exposure_source = ExposureSource::Declared;
+      facts.exposure_s = i % 2 == 0 ? 0.001 : 0.016;
+      facts.analogue_gain = gain, facts.digital_gain = 1;
+    }
+    REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+    const auto summary = summarize(posix_storage(), path);
+    REQUIRE(summary.ok());
+    const std::string table = as_table(summary.value(), path);
+    const bool times = gain == 1;
+    for (const char* words : {times ? "EV about 0.004 s\n" : "EV about 0.032 s x gain\n",
+                              times ? "0.001 .. 0.016 s, 4.00 EV" : "0.008 .. 0.128 s x gain, 4.00 EV"}) {
+      INFO(table << words);
+      CHECK(table.find(words) != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("info counts what is there and what is missing") {
   const std::string path = sample::scratch_folder("info") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
