@@ -11,6 +11,7 @@ extern "C" {
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <string_view>
 
@@ -114,12 +115,24 @@ void add_exposure(const AVFrame& frame, FrameFacts& facts) {
   take_exif_exposure({*time_s, exif_number(frame, "ISOSpeedRatings"), exif_number(frame, "FNumber")}, facts);
 }
 
-// ISO/IEC 14496-12: the first box is the file's type.
-Result<bool> begins_as_mp4(Storage& storage, const std::string& path) {
+// ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.
+Result<std::string> brand_of(Storage& storage, const std::string& path) {
   const auto file = TRY(storage.open(path));
-  std::array<char, 8> head{};
+  std::array<char, 12> head{};
   TRY(file->read_at(0, std::as_writable_bytes(std::span(head))));
-  return std::string_view(head.data(), head.size()).ends_with("ftyp");
+  const std::string_view type(head.data() + 4, 8);
+  return std::string(type.starts_with("ftyp") ? type.substr(4) : "");
+}
+
+// Why FFmpeg could not open a file of that brand.
+const char* why_unread(const std::string& brand) {
+  constexpr std::string_view kPictures[] = {"avif", "heic", "heim", "heis", "heix", "mif1"};
+  if (brand.empty()) return "is neither a video nor a picture that FFmpeg knows";
+  if (std::ranges::find(kPictures, brand) != std::end(kPictures))
+    return "is a HEIC or AVIF picture, which the FFmpeg of this machine cannot read; convert it to JPEG or "
+           "PNG";
+  return "is an MP4 or MOV that FFmpeg cannot read; one that was cut has lost its index, which stands at the "
+         "end unless the file has fragments";
 }
 
 }  // namespace
@@ -138,13 +151,7 @@ Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std
   // frees what it was given.
   const int code = avformat_open_input(&demuxer, nullptr, nullptr, nullptr);
   if (file->stream_.failure()) return *file->stream_.failure();
-  if (code < 0 && TRY(begins_as_mp4(storage, path)))
-    return file->refused(
-        ErrorCode::NotRecording,
-        "is an MP4 or MOV that FFmpeg cannot read; one that was cut has lost its index, which "
-        "stands at the end unless the file has fragments");
-  if (code < 0)
-    return file->refused(ErrorCode::NotRecording, "is neither a video nor a picture that FFmpeg knows");
+  if (code < 0) return file->refused(ErrorCode::NotRecording, why_unread(TRY(brand_of(storage, path))));
   file->demuxer_.reset(demuxer);
   TRY(file->open_decoder());
   return std::unique_ptr<PictureFile>(std::move(file));

@@ -331,6 +331,16 @@ TEST_CASE("an MP4 that was cut before its index is called one, and not a file th
   CHECK_THAT(cut.error->message, Contains(path) && Contains("one that was cut has lost its index"));
 }
 
+TEST_CASE("a HEIC picture that FFmpeg cannot read is called one, and not a video that was cut") {
+  const std::string path = sample::scratch_folder("footage_heic") + "/IMG_1.HEIC";
+  const std::string type("\0\0\0\30ftypheic\0\0\0\0mif1heic", 24), samples("\0\1\0\0mdat", 8);
+  std::ofstream(path, std::ios::binary) << type << samples << std::string(1000, '\0');
+  const Read picture = read({path});
+  REQUIRE(picture.error);
+  CHECK(picture.error->code == ErrorCode::NotRecording);
+  CHECK_THAT(picture.error->message, Contains(path) && Contains("HEIC") && !Contains("cut"));
+}
+
 namespace {
 
 // Motion JPEG at 25 frames per second, as cameras write it.
