@@ -1,5 +1,6 @@
 // hdrcam encode out/%06d.exr -o x.mp4: HDR frames that exist become a video.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -69,6 +70,20 @@ Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const st
 
 // A player can show what another program left in a file, but not what is no number.
 float shown(float radiance) { return std::max(0.f, finite_or_bound(radiance)); }
+
+// The colours of a file are taken for those of BT.709, whatever it states.
+void warn_of_primaries(const ExrImage& image, const NumberedFile& file) {
+  constexpr float kRounding = 1e-3f;
+  const Chromaticities ours, theirs = image.attributes.chromaticities.value_or(ours);
+  for (const auto of :
+       {&Chromaticities::red, &Chromaticities::green, &Chromaticities::blue, &Chromaticities::white})
+    for (std::size_t i = 0; i < 2; ++i)
+      if (!(std::abs((theirs.*of)[i] - (ours.*of)[i]) <= kRounding))
+        return remark(
+            "warning: '{}' states other primaries than those of BT.709, and colours are not converted; "
+            "convert the frames first\n",
+            file.path);
+}
 
 // wanted: as --framerate says; 0: as the first file says.
 Result<double> framerate_of(const ExrImage& image, const NumberedFile& file, double wanted_hz) {
@@ -155,6 +170,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   const auto add = [&](const NumberedFile& file) -> Result<void> {
     const ExrImage image = TRY(read_exr(around.storage, file.path));
     if (!sink) {
+      warn_of_primaries(image, file);
       camera.framerate_hz = TRY(framerate_of(image, file, settings.camera.framerate_hz));
       sink = TRY(open_sink(
           "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));

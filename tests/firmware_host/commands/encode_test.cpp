@@ -185,6 +185,19 @@ TEST_CASE("a frame rate that cannot be is refused, naming the file and --framera
   CHECK(given.exit_code == 0);
 }
 
+TEST_CASE("encode warns of primaries that it does not convert, and not of its own") {
+  const std::string out = sample::scratch_folder("encode_primaries"), frames = out + "/%06d.exr";
+  ExrAttributes attributes;
+  for (const bool wide : {false, true}) {
+    attributes.chromaticities = Chromaticities{};
+    if (wide) attributes.chromaticities->green = {0.170f, 0.797f};  // BT.2020
+    write_grey(out + "/000000.exr", Image<float>(1, 64, 64), attributes);
+    const RanHere ran = ran_here({"encode", frames, "-o", out + "/x.mp4", "--force"});
+    CHECK(ran.exit_code == 0);
+    CHECK((ran.err.find("000000.exr' states other primaries") != std::string::npos) == wide);
+  }
+}
+
 TEST_CASE("a pixel of infinite light is as bright as can be, one that is no number is black") {
   const std::string out = sample::scratch_folder("encode_infinite");
   // Our own writer refuses such values: they replace others in the file.
