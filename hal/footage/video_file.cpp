@@ -95,9 +95,12 @@ std::optional<double> clock_time_s(std::string_view text) {
 
 // When a track ends, as its file states it: for the track, or for all where it is the only one.
 std::optional<double> stated_end_s(const AVFormatContext& demuxer, const AVStream& track) {
-  if (const AVDictionaryEntry* const entry = av_dict_get(track.metadata, "DURATION", nullptr, 0))
+  const std::string_view container = demuxer.iformat->name;
+  // Elsewhere it may be that of the file which this one was made of.
+  if (const AVDictionaryEntry* const entry = av_dict_get(track.metadata, "DURATION", nullptr, 0);
+      entry != nullptr && container.starts_with("matroska"))
     if (const auto end_s = clock_time_s(entry->value)) return end_s;
-  if (std::string_view(demuxer.iformat->name) == "avi" && track.nb_frames > 0)
+  if (container == "avi" && track.nb_frames > 0)
     return static_cast<double>(track.nb_frames) * av_q2d(track.time_base);
   const bool stated = demuxer.duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
   if (demuxer.nb_streams != 1 || !stated || demuxer.duration <= 0) return std::nullopt;

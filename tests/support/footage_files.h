@@ -53,28 +53,39 @@ inline Result<void> write_video(const std::string& path, VideoCodec codec,
   return writer->finish(std::nullopt);
 }
 
-// The H.264 of a video as a raw stream, which has no times.
-inline Result<void> write_raw_h264(const std::string& video, const std::string& path) {
+// The packets of a video in another container, "h264" or "nut". stated_duration: of its track, as a tag; "":
+// none.
+inline Result<void> remux(const std::string& video, const std::string& path, const char* container,
+                          const std::string& stated_duration = "") {
   const Error failed{ErrorCode::Io, "cannot write '" + path + "'"};
   AVFormatContext *from = nullptr, *to = nullptr;
   if (avformat_open_input(&from, video.c_str(), nullptr, nullptr) < 0) return failed;
   const auto whole = [&] {
     if (avformat_find_stream_info(from, nullptr) < 0) return false;
-    if (avformat_alloc_output_context2(&to, nullptr, "h264", path.c_str()) < 0) return false;
+    if (avformat_alloc_output_context2(&to, nullptr, container, path.c_str()) < 0) return false;
     AVStream* const track = avformat_new_stream(to, nullptr);
     if (avcodec_parameters_copy(track->codecpar, from->streams[0]->codecpar) < 0) return false;
     track->codecpar->codec_tag = 0;
+    track->time_base = from->streams[0]->time_base;
+    if (!stated_duration.empty()) av_dict_set(&track->metadata, "DURATION", stated_duration.c_str(), 0);
     if (avio_open(&to->pb, path.c_str(), AVIO_FLAG_WRITE) < 0) return false;
     if (avformat_write_header(to, nullptr) < 0) return false;
     const libav::Packet packet(av_packet_alloc());
-    while (av_read_frame(from, packet.get()) >= 0)
+    while (av_read_frame(from, packet.get()) >= 0) {
+      av_packet_rescale_ts(packet.get(), from->streams[0]->time_base, track->time_base);
       if (av_interleaved_write_frame(to, packet.get()) < 0) return false;
+    }
     return av_write_trailer(to) >= 0;
   }();
   avformat_close_input(&from);
   if (to != nullptr) avio_closep(&to->pb);
   avformat_free_context(to);
   return whole ? Result<void>() : failed;
+}
+
+// The H.264 of a video as a raw stream, which has no times.
+inline Result<void> write_raw_h264(const std::string& video, const std::string& path) {
+  return remux(video, path, "h264");
 }
 
 struct Exif {

@@ -409,6 +409,16 @@ TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   CHECK(begin_s >= static_cast<double>(30 - lost.damaged) / 30 - 1e-6);
 }
 
+TEST_CASE("a duration that was copied from the file before is not what a whole video lacks") {
+  const std::string folder = sample::scratch_folder("footage_stale_duration");
+  REQUIRE(test::write_video(folder + "/x.mkv", VideoCodec::H264, pictures(10)).ok());
+  REQUIRE(test::remux(folder + "/x.mkv", folder + "/x.nut", "nut", "00:01:00.000000000").ok());
+  const Read read_back = read({folder + "/x.nut"});
+  REQUIRE_FALSE(read_back.error);
+  CHECK(read_back.frames.size() == 10);
+  CHECK(read_back.losses.empty());
+}
+
 TEST_CASE("a video that states an impossible end puts no frame of the next one beyond all times") {
   const std::string folder = sample::scratch_folder("footage_endless");
   for (const char* name : {"/a.mkv", "/b.mkv"})
