@@ -358,8 +358,10 @@ Result<bool> VideoFile::next(RawFrame& frame) {
   if (!TRY(decode())) {
     const bool none = pixel_format_ < 0;
     if (none && (still_ || losses_.damaged > 0))
-      return refused(ErrorCode::Corrupt,
-                     "is damaged or cut and does not decode; copy it again, or leave it out");
+      return refused(
+          ErrorCode::Corrupt,
+          "does not decode: it is damaged or cut, or of a kind that FFmpeg does not know; copy it again, "
+          "convert it, or leave it out");
     return false;
   }
   if (is_interlaced(*frame_, decoder_->codec_id))

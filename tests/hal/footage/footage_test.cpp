@@ -209,6 +209,18 @@ TEST_CASE("TIFF pictures keep every code, whatever else their tags say") {
   CHECK(sample::same(read_back.frames[0].codes, rgb));
 }
 
+TEST_CASE("a TIFF of floating point, which FFmpeg does not know, is not only called damaged") {
+  const std::string path = sample::scratch_folder("footage_float_tiff") + "/a.tif";
+  std::string bytes = read_whole(posix_storage(), tiff(path, patches(0))).value();
+  const std::string bits("\x10\0\x10\0\x10\0", 6);
+  REQUIRE(bytes.find(bits) != std::string::npos);
+  bytes.replace(bytes.find(bits), bits.size(), std::string("\x20\0\x20\0\x20\0", 6));
+  std::ofstream(path, std::ios::binary) << bytes;
+  const Read read_back = read({path});
+  REQUIRE(read_back.error);
+  CHECK_THAT(read_back.error->message, Contains("of a kind that FFmpeg does not know"));
+}
+
 TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture") {
   const std::string folder = sample::scratch_folder("footage_jpeg");
   test::write_jpeg(folder + "/a.jpg", patches(0), test::Exif{1, 1000, 100, 28});
