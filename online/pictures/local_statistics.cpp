@@ -19,8 +19,8 @@ void over_windows(const Image<float>& in, int radius, Image<float>& mean, Image<
 }  // namespace
 
 int mirrored_row(int y, int rows) {
-  const int mirrored = y < 0 ? -y : (y < rows ? y : 2 * rows - 2 - y);
-  return std::clamp(mirrored, 0, rows - 1);
+  if (y < 0) y = -y;
+  return std::clamp(y < rows ? y : 2 * rows - 2 - y, 0, rows - 1);
 }
 
 WindowRow window_at(const float* plane, int rows, int cols, int y, int radius, float* mean, float* variance) {
