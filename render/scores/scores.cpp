@@ -170,7 +170,7 @@ class ClipScoring {
       }
     }
     TRY(score_novel_view(frame));
-    if (!e.flow_forward.empty() && !now.motion.flow.empty())
+    if (!e.flow_forward.empty() && !now.motion.flow.empty() && is_followed(frame))
       flow_forward_ += forward_flow_error(e.flow_forward, now.motion);
     if (!e.depth.empty()) {
       const Image<float> depth = TRY(truth_.depth(frame));
@@ -178,6 +178,11 @@ class ClipScoring {
     }
     previous_ = std::move(now);
     return {};
+  }
+
+  // Without the next frame a frame's motion leads to a later one, or is not known: files then have zeros.
+  bool is_followed(int frame) const {
+    return frame + 1 < truth_.frames() && estimates_.contains(truth_.number(frame + 1));
   }
 
   Result<void> score_novel_view(int frame) {

@@ -48,7 +48,7 @@ struct ClipScores {
   std::array<double, 3> cast_stops{};              // log2 of each channel's gain over their geometric mean
   std::optional<double> depth_abs_rel;             // mean |s d - g| / g, where the estimates carry depth
   std::optional<double> flow_backward_epe_px;      // where they carry flow to the previous frame
-  std::optional<double> flow_forward_epe_px;       // to the next frame
+  std::optional<double> flow_forward_epe_px;       // to the next frame, where that has an estimate
   std::optional<double> field_flow_epe_px;         // of the field's own flow to the previous frame
   std::optional<double> field_flow_moving_epe_px;  // of that, on what moves in the world
   std::optional<double> novel_psnr_mu_db;  // of the views from other cameras, where OUT/novel has them

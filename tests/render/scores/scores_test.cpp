@@ -1,5 +1,6 @@
 #include "render/scores/scores.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -226,6 +227,24 @@ TEST_CASE("estimates that carry depth and flow are scored on them") {
   }
   REQUIRE(square == 5 * 120);
   REQUIRE(*scores.flow_backward_epe_px == Approx(std::hypot(2.5, 1.5) * square / seen).epsilon(1e-4));
+}
+
+TEST_CASE("motion to the next frame is scored where that frame has an estimate") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::With);
+  // the last frame of a run knows of no next one
+  const std::string last = clip / "out/000004.exr";
+  ExrImage image = read_exr(posix_storage(), last).value();
+  for (const std::string_view name : exr_channel::kFlowForward)
+    std::ranges::fill(std::span(image.samples.plane(*image.find(name)), image.samples.plane_size()), 0.f);
+  ExrPicture picture{image.samples.rows(), image.samples.cols(), {}, {}, ExrCompression::Piz};
+  for (std::size_t c = 0; c < image.names.size(); ++c)
+    picture.channels.push_back({image.names[c],
+                                {image.samples.plane(static_cast<int>(c)), image.samples.plane_size()},
+                                ExrSample::Float});
+  REQUIRE(write_whole(posix_storage(), last, encode_exr(picture).value()).ok());
+  for (const int later : {5, 6, 7}) std::filesystem::remove(clip / fmt::format("out/{:06d}.exr", later));
+  CHECK(*scores_of(clip).flow_forward_epe_px == Approx(0.5).epsilon(1e-4));
 }
 
 TEST_CASE("a broken estimate is scored, not refused: NaN counts as black") {
