@@ -25,8 +25,9 @@ Result<nlohmann::json> read_json(Storage& storage, const std::string& path) {
   return json;
 }
 
-// Eight-bit grey samples [1, rows, cols] of a PNG.
-Result<Image<std::uint8_t>> read_grey_png(Storage& storage, const std::string& path) {
+// Eight-bit grey samples [1, rows, cols] of a PNG. Its size is checked first: a few damaged bytes of a header
+// must not cost gigabytes.
+Result<Image<std::uint8_t>> read_grey_png(Storage& storage, const std::string& path, int rows, int cols) {
   const std::string bytes = TRY(read_whole(storage, path));
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -36,8 +37,14 @@ Result<Image<std::uint8_t>> read_grey_png(Storage& storage, const std::string& p
     return error;
   };
   if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) return damaged();
+  if (const auto sized =
+          check_size(static_cast<int>(png.height), static_cast<int>(png.width), path, rows, cols);
+      !sized) {
+    png_image_free(&png);
+    return sized.error();
+  }
   png.format = PNG_FORMAT_GRAY;
-  Image<std::uint8_t> image(1, static_cast<int>(png.height), static_cast<int>(png.width));
+  Image<std::uint8_t> image(1, rows, cols);
   if (png_image_finish_read(&png, nullptr, image.plane(0), image.cols(), nullptr) == 0) return damaged();
   return image;
 }
@@ -149,10 +156,7 @@ Result<Image<float>> GroundTruth::depth(int frame) const {
 
 Result<Image<std::uint8_t>> GroundTruth::moving_mask(int frame) const {
   if (!anything_moves_) return Image<std::uint8_t>{};
-  const std::string name = path("id", frame, "png");
-  Image<std::uint8_t> mask = TRY(or_empty(read_grey_png(*storage_, name)));
-  if (mask.empty()) return mask;
-  TRY(check_size(mask, name, rows_, cols_));
+  Image<std::uint8_t> mask = TRY(or_empty(read_grey_png(*storage_, path("id", frame, "png"), rows_, cols_)));
   for (std::uint8_t& id : mask.samples()) id = moving_ids_[id];
   return mask;
 }

@@ -24,13 +24,16 @@ Image<float> plane_of(const ExrImage& picture, int channel);
 // The channels R, G, B, finite: [rgb, rows, cols]. Errors: Unsupported where one of them is missing.
 Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name);
 
-// Errors: SizeChanged, naming both sizes.
-template <class T>
-Result<void> check_size(const Image<T>& picture, const std::string& name, int rows, int cols) {
-  if (picture.rows() == rows && picture.cols() == cols) return {};
+// Of a picture of own_rows x own_cols. Errors: SizeChanged, naming both sizes.
+inline Result<void> check_size(int own_rows, int own_cols, const std::string& name, int rows, int cols) {
+  if (own_rows == rows && own_cols == cols) return {};
   return Error{ErrorCode::SizeChanged,
                fmt::format("'{}' is {}x{}, but the clip is {}x{}; compare pictures of one size", name,
-                           picture.cols(), picture.rows(), cols, rows)};
+                           own_cols, own_rows, cols, rows)};
+}
+template <class T>
+Result<void> check_size(const Image<T>& picture, const std::string& name, int rows, int cols) {
+  return check_size(picture.rows(), picture.cols(), name, rows, cols);
 }
 
 // read_exr, rgb_of and check_size in one.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "render/exr.h"
 #include "render/scores/scores_json.h"
@@ -305,6 +306,15 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
     REQUIRE(write_whole(posix_storage(), clip / "out/000002.exr", encode_exr(picture).value()).ok());
     REQUIRE(error_of(clip.path(), out).code == ErrorCode::SizeChanged);
     REQUIRE(mentions(error_of(clip.path(), out), "20x10"));
+  }
+  SECTION("a mask whose damaged header states gigabytes") {
+    // a grey PNG of 60000x60000 up to its samples, which are not there
+    constexpr std::string_view kDamaged(
+        "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xea\x60\0\0\xea\x60\b\0\0\0\0\xa5\xb9\x2a\x9e\0\0\0\0IDAT", 41);
+    std::ofstream(clip / "gt/id/0002.png") << kDamaged;
+    const Error wrong = error_of(clip.path(), out);
+    CHECK(wrong.code == ErrorCode::SizeChanged);
+    CHECK(mentions(wrong, "0002.png' is 60000x60000"));
   }
   SECTION("two estimates of one frame") {
     synthetic_clip::write_estimate(clip / "out/2.exr", 2, Geometry::Without);
