@@ -12,7 +12,6 @@
 #endif
 
 namespace hdrcam {
-#ifdef HDRCAM_HAVE_VULKAN
 namespace {
 
 std::string lower(std::string text) {
@@ -22,26 +21,34 @@ std::string lower(std::string text) {
 
 }  // namespace
 
-Result<std::unique_ptr<GpuDevice>> open_gpu(const GpuOptions& options) {
-  std::unique_ptr<vulkan::Instance> instance = TRY(vulkan::Instance::open(options.complaints));
-  const std::vector<vulkan::PhysicalDevice> devices = instance->devices();
+Result<std::size_t> find_gpu(std::span<const GpuFacts> all, const std::string& name) {
+  const GpuFacts* unusable = nullptr;
   std::vector<std::string> names;
-  for (const vulkan::PhysicalDevice& device : devices) {
-    names.push_back(device.facts.name);
-    if (lower(device.facts.name).find(lower(options.name)) == std::string::npos) continue;
-    if (device.facts.missing.empty())
-      return std::unique_ptr<GpuDevice>(
-          TRY(vulkan::Device::open(std::move(instance), device, options.cache_folder)));
-    if (!options.name.empty())
-      return Error{ErrorCode::Unsupported, fmt::format("the graphics device '{}' cannot be used: {}",
-                                                       device.facts.name, device.facts.missing)};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    names.push_back(all[i].name);
+    if (lower(all[i].name).find(lower(name)) == std::string::npos) continue;
+    if (all[i].missing.empty()) return i;
+    if (unusable == nullptr) unusable = &all[i];
   }
+  if (unusable != nullptr)
+    return Error{ErrorCode::Unsupported, fmt::format("the graphics device '{}' cannot be used: {}",
+                                                     unusable->name, unusable->missing)};
   if (names.empty())
     return Error{ErrorCode::NotFound,
                  "Vulkan knows no graphics device; install mesa-vulkan-drivers or the maker's"};
   return Error{ErrorCode::NotFound,
-               fmt::format("there is no graphics device '{}' that can be used; there are: {}", options.name,
-                           fmt::join(names, ", "))};
+               fmt::format("there is no graphics device '{}'; there are: {}", name, fmt::join(names, ", "))};
+}
+
+#ifdef HDRCAM_HAVE_VULKAN
+Result<std::unique_ptr<GpuDevice>> open_gpu(const GpuOptions& options) {
+  std::unique_ptr<vulkan::Instance> instance = TRY(vulkan::Instance::open(options.complaints));
+  const std::vector<vulkan::PhysicalDevice> devices = instance->devices();
+  std::vector<GpuFacts> all;
+  for (const vulkan::PhysicalDevice& device : devices) all.push_back(device.facts);
+  const std::size_t place = TRY(find_gpu(all, options.name));
+  return std::unique_ptr<GpuDevice>(
+      TRY(vulkan::Device::open(std::move(instance), devices[place], options.cache_folder)));
 }
 
 Result<std::vector<GpuFacts>> list_gpus() {

@@ -157,8 +157,8 @@ struct GpuOptions {
   std::vector<std::string>* complaints = nullptr;
 };
 
-// Discrete devices come first, then integrated, virtual and software ones. The message of NotFound names the
-// devices that there are.
+// Discrete devices come first, then integrated, virtual and software ones; those that cannot be used are
+// passed over (find_gpu() of gpu_list.h).
 Result<std::unique_ptr<GpuDevice>> open_gpu(const GpuOptions& options);
 
 }  // namespace hdrcam

@@ -2,6 +2,8 @@
 // loader is opened when asked for, so that neither build nor program depends on it. Reentrant.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "hal/gpu/gpu_device.h"
@@ -11,5 +13,9 @@ namespace hdrcam {
 // In the order in which open_gpu() takes them. NotFound where no loader or no driver is installed,
 // Unsupported in a build without Vulkan: each says what to install.
 Result<std::vector<GpuFacts>> list_gpus();
+
+// The first of them that has `name` in its own, in any case, and can be used. Unsupported, saying what is
+// missing, where those that have it cannot; NotFound, naming all, where none has.
+Result<std::size_t> find_gpu(std::span<const GpuFacts> all, const std::string& name);
 
 }  // namespace hdrcam
