@@ -22,11 +22,14 @@ std::string lower(std::string text) {
 }  // namespace
 
 Result<std::size_t> find_gpu(std::span<const GpuFacts> all, const std::string& name) {
+  const std::string wanted = lower(name);
+  const auto is_whole = [&](const GpuFacts& gpu) { return lower(gpu.name) == wanted; };
+  const bool any_whole = std::ranges::any_of(all, is_whole);  // then it is no part of a longer one
   const GpuFacts* unusable = nullptr;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < all.size(); ++i) {
     names.push_back(all[i].name);
-    if (lower(all[i].name).find(lower(name)) == std::string::npos) continue;
+    if (any_whole ? !is_whole(all[i]) : lower(all[i].name).find(wanted) == std::string::npos) continue;
     if (all[i].missing.empty()) return i;
     if (unusable == nullptr) unusable = &all[i];
   }

@@ -150,7 +150,7 @@ class GpuTurn {
 };
 
 struct GpuOptions {
-  std::string name = {};          // "": the best there is; or part of a device's name, in any case
+  std::string name = {};          // "": the best there is; or a device's name or part of it, in any case
   std::string cache_folder = {};  // where compiled kernels are kept for the next start; "": nowhere
   // The library's own checks are asked for, and what they say is kept in `complaints`, which outlives the
   // device. Unsupported where they are not installed.

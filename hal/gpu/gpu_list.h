@@ -14,8 +14,9 @@ namespace hdrcam {
 // Unsupported in a build without Vulkan: each says what to install.
 Result<std::vector<GpuFacts>> list_gpus();
 
-// The first of them that has `name` in its own, in any case, and can be used. Unsupported, saying what is
-// missing, where those that have it cannot; NotFound, naming all, where none has.
+// The first of them that is called `name`, in any case, and can be used; where none is called so, that has it
+// in its own. Unsupported, saying what is missing, where those that are meant cannot be used; NotFound,
+// naming all, where none is meant.
 Result<std::size_t> find_gpu(std::span<const GpuFacts> all, const std::string& name);
 
 }  // namespace hdrcam

@@ -23,6 +23,12 @@ TEST_CASE("the first graphics device of a name that can be used is taken, whatev
   CHECK(value_of(find_gpu(all, "LLVM")) == 2);
 }
 
+TEST_CASE("the name of a graphics device is not taken for a part of a longer one") {
+  const std::vector<GpuFacts> all{device("Maker 660 XT"), device("Maker 660")};
+  CHECK(value_of(find_gpu(all, "maker 660")) == 1);
+  CHECK(value_of(find_gpu(all, "maker")) == 0);
+}
+
 TEST_CASE("what keeps a graphics device from being used is said where no other is meant") {
   const std::vector<GpuFacts> all{device("Maker 100", "its driver is old"), device("llvmpipe")};
   const auto old = find_gpu(all, "100");
