@@ -16,29 +16,51 @@ void unpack_rgb(const std::byte* in, int y, int red, int blue, Image<std::uint16
   for (int x = 0; x < codes.cols(); ++x, in += 3) r[x] = byte(in, 0), g[x] = byte(in, 1), b[x] = byte(in, 2);
 }
 
-// BT.601 with 16 fractional bits.
+// The shares of red and blue in luma: ITU-R BT.601-7, 2.5.1; BT.709-6, 3.2; BT.2020-2, table 4.
+struct LumaShares {
+  double red, blue;
+};
+LumaShares luma_shares(YuvMatrix matrix) {
+  switch (matrix) {
+    case YuvMatrix::Bt601:
+      break;
+    case YuvMatrix::Bt709:
+      return {0.2126, 0.0722};
+    case YuvMatrix::Bt2020:
+      return {0.2627, 0.0593};
+  }
+  return {0.299, 0.114};
+}
+
+// With 16 fractional bits.
 class YuvToRgb {
  public:
-  explicit YuvToRgb(YuvRange range)
-      : black_(range == YuvRange::Limited ? 16 : 0),
-        luma_(range == YuvRange::Limited ? 76309 : 65536),
-        chroma_(range == YuvRange::Limited ? 255.0 / 224.0 : 1.0) {}
+  YuvToRgb(YuvMatrix matrix, YuvRange range) {
+    const bool limited = range == YuvRange::Limited;
+    const auto [red, blue] = luma_shares(matrix);
+    const double chroma = limited ? 255.0 / 224.0 : 1, green = 1 - red - blue;
+    black_ = limited ? 16 : 0;
+    luma_ = fixed(limited ? 255.0 / 219.0 : 1);
+    red_of_v_ = fixed(chroma * 2 * (1 - red)), blue_of_u_ = fixed(chroma * 2 * (1 - blue));
+    green_of_u_ = fixed(chroma * 2 * (1 - blue) * blue / green);
+    green_of_v_ = fixed(chroma * 2 * (1 - red) * red / green);
+  }
 
   void convert(int y, int u, int v, Image<std::uint16_t>& codes, int row, int col) const {
     const int luma = luma_ * (y - black_) + 32768;
-    codes.row(0, row)[col] = clamped(luma + scaled(1.402) * (v - 128));
-    codes.row(1, row)[col] = clamped(luma - scaled(0.344136) * (u - 128) - scaled(0.714136) * (v - 128));
-    codes.row(2, row)[col] = clamped(luma + scaled(1.772) * (u - 128));
+    codes.row(0, row)[col] = clamped(luma + red_of_v_ * (v - 128));
+    codes.row(1, row)[col] = clamped(luma - green_of_u_ * (u - 128) - green_of_v_ * (v - 128));
+    codes.row(2, row)[col] = clamped(luma + blue_of_u_ * (u - 128));
   }
 
  private:
-  int scaled(double weight) const { return static_cast<int>(weight * chroma_ * 65536 + 0.5); }
+  static int fixed(double weight) { return static_cast<int>(weight * 65536 + 0.5); }
   static std::uint16_t clamped(int value) {
     return static_cast<std::uint16_t>(std::clamp(value >> 16, 0, 255));
   }
 
   int black_, luma_;
-  double chroma_;
+  int red_of_v_, green_of_u_, green_of_v_, blue_of_u_;
 };
 
 void unpack_yuyv(const std::byte* in, int y, const YuvToRgb& rgb, Image<std::uint16_t>& codes) {
@@ -131,7 +153,8 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
                              buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
 
   codes.reshape(channels(layout), height, width);
-  const YuvToRgb rgb(settings.yuv_range);
+  const YuvCoding& yuv = buffer.yuv;
+  const YuvToRgb rgb(yuv.matrix, settings.yuv_range.value_or(yuv.range));
   for (int y = 0; y < height; ++y) {
     const std::byte* row = buffer.pixels.data() + static_cast<std::size_t>(y) * stride;
     switch (packing) {

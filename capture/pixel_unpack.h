@@ -3,6 +3,8 @@
 // the picture has been of this size. Reentrant.
 #pragma once
 
+#include <optional>
+
 #include "hal/camera.h"
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
@@ -18,11 +20,9 @@ struct PixelCodes {
 };
 PixelCodes codes_of(PixelFormat format);
 
-enum class YuvRange { Limited, Full };  // luma 16..235 (BT.601, what UVC specifies) or 0..255
-
 struct PixelUnpackSettings {
-  YuvRange yuv_range = YuvRange::Limited;
-  DecodeJpeg decode_jpeg;  // jpeg_decoder(); only needed for Mjpeg
+  std::optional<YuvRange> yuv_range;  // none: as the camera states it
+  DecodeJpeg decode_jpeg;             // jpeg_decoder(); only needed for Mjpeg
 };
 
 // codes: [channels(layout), rows, cols], 0 .. 2^bits - 1. A stride of 0 means tightly packed rows. Errors:

@@ -67,6 +67,16 @@ struct ControlDelays {
 // What the timestamp marks: start or end of exposure; the end is that of the last line's exposure.
 enum class TimestampMark { ExposureBegin, ExposureEnd };
 
+// How luma and chroma stand for red, green and blue (ITU-R BT.601, BT.709, BT.2020), and whether luma takes
+// 16..235 or 0..255.
+enum class YuvMatrix { Bt601, Bt709, Bt2020 };
+enum class YuvRange { Limited, Full };
+struct YuvCoding {
+  YuvMatrix matrix = YuvMatrix::Bt601;
+  YuvRange range = YuvRange::Limited;
+  friend bool operator==(const YuvCoding&, const YuvCoding&) = default;
+};
+
 struct StreamMode {
   PixelFormat format = PixelFormat::Rgb24;
   int width = 0, height = 0;            // pixels
@@ -142,6 +152,7 @@ struct CapturedBuffer {
   // an earlier request's exposure instead of the one that the control delay predicts.
   bool control_late = false;
   StreamMode mode;
+  YuvCoding yuv;                      // of YUV formats, as the camera states it
   std::size_t stride = 0;             // bytes a row (of the first plane)
   std::span<const std::byte> pixels;  // all planes, one after the other; valid as long as the lease
   int dmabuf_fd = -1;  // the same memory for other devices, where the driver exports it; the camera's

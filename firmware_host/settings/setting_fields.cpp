@@ -221,9 +221,11 @@ std::vector<SettingField> camera_fields() {
           "camera.timestamp", "--timestamp",
           "what the timestamp marks: start or end of exposure, or what the driver reports",
           {{"driver", AsDriverSays}, {"begin", ExposureBegin}, {"end", ExposureEnd}}),
-      choice<kGroup, &C::yuv_range>("camera.yuv_range", "--yuv-range",
-                                    "luma range of YUV formats: limited is 16..235, full is 0..255",
-                                    {{"limited", YuvRange::Limited}, {"full", YuvRange::Full}}),
+      choice<kGroup, &C::yuv_range>(
+          "camera.yuv_range", "--yuv-range",
+          "luma range of YUV formats: limited is 16..235, full is 0..255, or what "
+          "the driver reports",
+          {{"driver", std::nullopt}, {"limited", YuvRange::Limited}, {"full", YuvRange::Full}}),
       choice<kGroup, &C::pace>("camera.pace", "--pace",
                                "pace of replay:FILE: as fast as the fit or the recording takes its frames, "
                                "or in real time, as from a camera",

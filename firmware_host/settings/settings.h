@@ -40,7 +40,7 @@ struct Settings {
     std::string control_delay;  // "": as the driver reports; "2,1": frames, of exposure and gain
     double black_level = -1;    // codes of 255, of raw formats; -1: from the table of sensors
     StampMeaning timestamp = StampMeaning::AsDriverSays;
-    YuvRange yuv_range = YuvRange::Limited;
+    std::optional<YuvRange> yuv_range;            // none: as the camera states it
     ReplayPace pace = ReplayPace::AsFastAsAsked;  // of a replayed camera
   } camera;
   struct Schedule {

@@ -171,6 +171,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     mode_ = wanted;
     mode_.width = static_cast<int>(stream.size.width), mode_.height = static_cast<int>(stream.size.height);
     mode_.frame_duration = constant_frame_duration(wanted.frame_duration);
+    yuv_ = stream.colorSpace ? coding_of(*stream.colorSpace) : YuvCoding();
     stride_ = wanted.format == PixelFormat::Mjpeg ? 0 : stream.stride;
     buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
     requests_.resize(buffers_->size());
@@ -352,7 +353,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
     if (const auto skew_ns = metadata.get(lc::controls::draft::SensorRollingShutterSkew))
       buffer.readout = std::clamp(Duration(*skew_ns), Duration(0), mode_.frame_duration);
-    buffer.mode = mode_, buffer.stride = stride_;
+    buffer.mode = mode_, buffer.yuv = yuv_, buffer.stride = stride_;
     buffer.pixels = buffers_->memory(index);
     if (stride_ == 0 && !frame.planes().empty())
       buffer.pixels =
@@ -395,6 +396,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   CameraCapabilities capabilities_;
   bool paced_;  // exposures are written when queued, see ControlPacer
   StreamMode mode_;
+  YuvCoding yuv_;
   std::size_t stride_ = 0;
   std::unique_ptr<LibcameraBuffers> buffers_;
 

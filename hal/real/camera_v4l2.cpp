@@ -220,7 +220,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     buffer.sequence = filled.sequence;
     buffer.timestamp = instant_of_stamp(clock_, filled.flags, filled.stamp);
     buffer.readout = control_.readout(picture_.mode.height);
-    buffer.mode = picture_.mode, buffer.stride = picture_.stride;
+    buffer.mode = picture_.mode, buffer.yuv = picture_.yuv, buffer.stride = picture_.stride;
     const auto memory = stream_.memory(filled.index);
     const bool compressed = picture_.stride == 0;
     buffer.damaged =

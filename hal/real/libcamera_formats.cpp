@@ -62,5 +62,23 @@ std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format) {
 
 bool is_bayer(PixelFormat format) { return format >= PixelFormat::Rggb8; }
 
+YuvCoding coding_of(const libcamera::ColorSpace& space) {
+  using libcamera::ColorSpace;
+  YuvCoding yuv;
+  yuv.range = space.range == ColorSpace::Range::Full ? YuvRange::Full : YuvRange::Limited;
+  switch (space.ycbcrEncoding) {
+    case ColorSpace::YcbcrEncoding::None:
+    case ColorSpace::YcbcrEncoding::Rec601:
+      break;
+    case ColorSpace::YcbcrEncoding::Rec709:
+      yuv.matrix = YuvMatrix::Bt709;
+      break;
+    case ColorSpace::YcbcrEncoding::Rec2020:
+      yuv.matrix = YuvMatrix::Bt2020;
+      break;
+  }
+  return yuv;
+}
+
 }  // namespace hdrcam
 #endif

@@ -1,6 +1,7 @@
-// PixelFormat as libcamera names it. Reentrant.
+// PixelFormat and YuvCoding as libcamera names them. Reentrant.
 #pragma once
 
+#include <libcamera/color_space.h>
 #include <libcamera/formats.h>
 #include <libcamera/pixel_format.h>
 
@@ -13,5 +14,6 @@ namespace hdrcam {
 libcamera::PixelFormat libcamera_format_of(PixelFormat format);
 std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format);
 bool is_bayer(PixelFormat format);
+YuvCoding coding_of(const libcamera::ColorSpace& space);
 
 }  // namespace hdrcam

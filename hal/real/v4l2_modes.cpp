@@ -33,14 +33,44 @@ Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint
 // Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
 struct PixFormat {
   std::uint32_t width, height, fourcc, stride, bytes;
+  YuvCoding yuv;
 };
+
+// include/uapi/linux/videodev2.h: what a driver leaves to the colour space follows from it.
+YuvCoding coding_of(std::uint32_t colour_space, std::uint32_t encoding, std::uint32_t quantization) {
+  if (encoding == V4L2_YCBCR_ENC_DEFAULT) encoding = V4L2_MAP_YCBCR_ENC_DEFAULT(colour_space);
+  if (quantization == V4L2_QUANTIZATION_DEFAULT)
+    quantization = V4L2_MAP_QUANTIZATION_DEFAULT(false, colour_space, encoding);
+  YuvCoding yuv;
+  yuv.range = quantization == V4L2_QUANTIZATION_FULL_RANGE ? YuvRange::Full : YuvRange::Limited;
+  switch (encoding) {
+    case V4L2_YCBCR_ENC_709:
+    case V4L2_YCBCR_ENC_XV709:
+    case V4L2_YCBCR_ENC_SMPTE240M:  // .212 and .087 instead of .2126 and .0722
+      yuv.matrix = YuvMatrix::Bt709;
+      break;
+    case V4L2_YCBCR_ENC_BT2020:
+      yuv.matrix = YuvMatrix::Bt2020;
+      break;
+    default:
+      break;
+  }
+  return yuv;
+}
+
 PixFormat read_format(const v4l2_format& format) {
   if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
     const auto& mp = format.fmt.pix_mp;
-    return {mp.width, mp.height, mp.pixelformat, mp.plane_fmt[0].bytesperline, mp.plane_fmt[0].sizeimage};
+    return {mp.width,
+            mp.height,
+            mp.pixelformat,
+            mp.plane_fmt[0].bytesperline,
+            mp.plane_fmt[0].sizeimage,
+            coding_of(mp.colorspace, mp.ycbcr_enc, mp.quantization)};
   }
   const auto& pix = format.fmt.pix;
-  return {pix.width, pix.height, pix.pixelformat, pix.bytesperline, pix.sizeimage};
+  return {pix.width,        pix.height,    pix.pixelformat,
+          pix.bytesperline, pix.sizeimage, coding_of(pix.colorspace, pix.ycbcr_enc, pix.quantization)};
 }
 
 void add_sizes(const DeviceNode& video, std::uint32_t queue_type, PixelFormat format, std::uint32_t fourcc,
@@ -150,6 +180,7 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
   picture.mode = wanted;
   picture.mode.width = static_cast<int>(agreed.width), picture.mode.height = static_cast<int>(agreed.height);
   picture.mode.frame_duration = set_frame_duration(video, queue_type, wanted.frame_duration);
+  picture.yuv = agreed.yuv;
   picture.stride = wanted.format == PixelFormat::Mjpeg ? 0 : agreed.stride;
   // sizeimage may be padded, and the driver need not fill that
   picture.bytes = picture.stride == 0 ? agreed.bytes

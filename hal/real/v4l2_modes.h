@@ -23,6 +23,7 @@ std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_ty
 
 struct V4l2Picture {
   StreamMode mode;
+  YuvCoding yuv;                      // of YUV formats
   std::size_t stride = 0, bytes = 0;  // of a row (0: compressed), of a whole picture
 };
 // Sets the nearest mode that the driver accepts. Unsupported for another format, naming the offered ones.

@@ -46,8 +46,7 @@ void ExposureForecast::sample_variances(const Exposure& exposure, Blur blur, Val
   const auto length = static_cast<int>(place);
   const float between = place - static_cast<float>(length);
   const Values &longer = pixels_->squared_blur(length), &shorter = pixels_->squared_blur(length + 1);
-  constexpr float kLeft = 0.5f;  // of squared blur, once the state's own blur was taken out of the sample
-  const float counted = blur == Blur::Counted ? kLeft : 0;
+  const float counted = blur == Blur::Counted ? 1 : 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
     const int c = pixels_->channel(static_cast<int>(i));
     const float x = radiance[i] * relative;

@@ -128,6 +128,34 @@ TEST_CASE("YUV becomes the RGB of BT.601, limited or full range", "[capture]") {
   CHECK(full.at(1, 0, 0) == 77);
 }
 
+TEST_CASE("YUV becomes RGB as the camera states its matrix and range - unless the range is set",
+          "[capture]") {
+  // the primary red and a grey of each, limited and full: luma, Cb, Cr (ITU-R BT.601, BT.709, BT.2020)
+  struct Signal {
+    YuvCoding coding;
+    int red[3];
+  };
+  const Signal kSignals[] = {{{YuvMatrix::Bt601, YuvRange::Limited}, {81, 90, 240}},
+                             {{YuvMatrix::Bt709, YuvRange::Limited}, {63, 102, 240}},
+                             {{YuvMatrix::Bt2020, YuvRange::Limited}, {74, 97, 240}},
+                             {{YuvMatrix::Bt601, YuvRange::Full}, {76, 85, 255}},
+                             {{YuvMatrix::Bt709, YuvRange::Full}, {54, 99, 255}}};
+  for (const auto& [coding, red] : kSignals) {
+    Bytes bytes;
+    for (int i = 0; i < 2; ++i) bytes.put(red[0]), bytes.put(red[1]), bytes.put(red[0]), bytes.put(red[2]);
+    CapturedBuffer buffer = buffer_of(PixelFormat::Yuyv, 2, 2, bytes.data);
+    buffer.yuv = coding;
+    Image<std::uint16_t> as_stated, as_full;
+    REQUIRE(unpack_pixels(buffer, {}, as_stated).ok());
+    CAPTURE(static_cast<int>(coding.matrix), static_cast<int>(coding.range));
+    CHECK(as_stated.at(0, 1, 1) >= 253);
+    CHECK(as_stated.at(1, 1, 1) <= 1);
+    CHECK(as_stated.at(2, 1, 1) <= 2);
+    REQUIRE(unpack_pixels(buffer, {.yuv_range = YuvRange::Full, .decode_jpeg = {}}, as_full).ok());
+    CHECK((as_full.at(1, 1, 1) == as_stated.at(1, 1, 1)) == (coding.range == YuvRange::Full));
+  }
+}
+
 TEST_CASE("MJPEG goes through the decoder that was supplied", "[capture]") {
   const std::byte jpeg[] = {std::byte{0xff}, std::byte{0xd8}};
   Image<std::uint16_t> out;

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   buffer.stride = static_cast<std::size_t>(data[3] | data[4] << 8);
   buffer.pixels = std::as_bytes(std::span(data + kHead, size - kHead));
   Image<std::uint16_t> codes;
-  if (!unpack_pixels(buffer, {.decode_jpeg = decode}, codes)) return 0;
+  if (!unpack_pixels(buffer, {.yuv_range = {}, .decode_jpeg = decode}, codes)) return 0;
   const int bits = codes_of(buffer.mode.format).bits;
   for (const std::uint16_t code : codes.samples()) HDRCAM_CHECK(code >> bits == 0);
   return 0;

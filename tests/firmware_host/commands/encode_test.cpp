@@ -16,6 +16,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/decoded_video.h"
+#include "tests/support/ran.h"
 #include "tests/support/ran_here.h"
 
 #include "tests/support/as_nobody.h"
@@ -192,9 +193,9 @@ TEST_CASE("encode warns of primaries that it does not convert, and not of its ow
     attributes.chromaticities = Chromaticities{};
     if (wide) attributes.chromaticities->green = {0.170f, 0.797f};  // BT.2020
     write_grey(out + "/000000.exr", Image<float>(1, 64, 64), attributes);
-    const RanHere ran = ran_here({"encode", frames, "-o", out + "/x.mp4", "--force"});
-    CHECK(ran.exit_code == 0);
-    CHECK((ran.err.find("000000.exr' states other primaries") != std::string::npos) == wide);
+    const test::Ran encoded = test::ran({"encode", frames, "-o", out + "/x.mp4", "--force"});
+    CHECK(encoded.exit_code == 0);
+    CHECK((encoded.output.find("000000.exr' states other primaries") != std::string::npos) == wide);
   }
 }
 

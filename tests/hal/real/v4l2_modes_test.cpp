@@ -82,5 +82,47 @@ TEST_CASE("a whole picture is what its rows need, however the driver pads its bu
   }
 }
 
+TEST_CASE("matrix and range of YUV are what the driver reports, or what its colour space stands for") {
+  const DeviceNode video = node();
+  struct Report {
+    std::uint32_t colour_space, encoding, quantization;
+    YuvCoding coding;
+  };
+  const Report kReports[] = {
+      {V4L2_COLORSPACE_DEFAULT, 0, 0, {YuvMatrix::Bt601, YuvRange::Limited}},
+      {V4L2_COLORSPACE_SRGB, 0, 0, {YuvMatrix::Bt601, YuvRange::Limited}},
+      {V4L2_COLORSPACE_JPEG, 0, 0, {YuvMatrix::Bt601, YuvRange::Full}},
+      {V4L2_COLORSPACE_REC709, 0, 0, {YuvMatrix::Bt709, YuvRange::Limited}},
+      {V4L2_COLORSPACE_BT2020, 0, 0, {YuvMatrix::Bt2020, YuvRange::Limited}},
+      {V4L2_COLORSPACE_SRGB,
+       V4L2_YCBCR_ENC_709,
+       V4L2_QUANTIZATION_FULL_RANGE,
+       {YuvMatrix::Bt709, YuvRange::Full}},
+      {V4L2_COLORSPACE_JPEG, 0, V4L2_QUANTIZATION_LIM_RANGE, {YuvMatrix::Bt601, YuvRange::Limited}},
+  };
+  for (const std::uint32_t queue : {V4L2_BUF_TYPE_VIDEO_CAPTURE, V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE})
+    for (const Report& report : kReports) {
+      const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+        if (request != VIDIOC_S_FMT) return EINVAL;
+        auto& format = *static_cast<v4l2_format*>(argument);
+        if (queue == V4L2_BUF_TYPE_VIDEO_CAPTURE) {
+          auto& pix = format.fmt.pix;
+          pix.colorspace = report.colour_space, pix.ycbcr_enc = report.encoding;
+          pix.quantization = report.quantization;
+        } else {
+          auto& pix = format.fmt.pix_mp;
+          pix.colorspace = report.colour_space, pix.num_planes = 1;
+          pix.ycbcr_enc = static_cast<std::uint8_t>(report.encoding);
+          pix.quantization = static_cast<std::uint8_t>(report.quantization);
+        }
+        return 0;
+      });
+      CAPTURE(queue, report.colour_space, report.encoding, report.quantization);
+      const auto picture =
+          value_of(set_mode(video, queue, {PixelFormat::Yuyv, 640, 480, Duration(33'333'333)}));
+      CHECK(picture.yuv == report.coding);
+    }
+}
+
 }  // namespace
 }  // namespace hdrcam
