@@ -136,8 +136,7 @@ std::string CameraSource::takes_account() const {
   std::string text;
   std::uint64_t end = session_->counters().in_takes;
   for (auto take = started_takes_.rbegin(); take != started_takes_.rend(); ++take) {
-    if (end > take->before)  // no frame, no file
-      text.insert(0, fmt::format("{}: {}\n", take->path, counted(end - take->before, "frame")));
+    text.insert(0, fmt::format("{}: {}\n", take->path, counted(end - take->before, "frame")));
     end = take->before;
   }
   return text;

@@ -154,16 +154,25 @@ HttpAnswer LiveView::light(const HttpRequest& request) {
 HttpAnswer LiveView::exr(const HttpRequest&) {
   const ShownFrame* const frame = newest_.read();
   if (frame == nullptr) return no_frame();
-  ExrSequenceOptions options;
-  options.layers.confidence = options.layers.provenance = true;
-  options.compression = options_.compression;
-  options.framerate_hz = options_.framerate_hz;
-  // An Instant that the first frame wrote before it was the newest.
-  auto bytes = encode_frame(frame->hdr, options, *start_);
-  if (!bytes) return answer_of(bytes.error());
-  const std::string name = fmt::format("attachment; filename=\"{:06}.exr\"", frame->hdr.facts.sequence);
+  const std::uint64_t sequence = frame->hdr.facts.sequence;
+  HttpBody file = files_.of(sequence);
+  if (file == nullptr) {
+    if (files_.full())
+      return http_error(503,
+                        fmt::format("{} earlier frames are still being read; ask again", HeldFiles::kMost));
+    ExrSequenceOptions options;
+    options.layers.confidence = options.layers.provenance = true;
+    options.compression = options_.compression;
+    options.framerate_hz = options_.framerate_hz;
+    // An Instant that the first frame wrote before it was the newest.
+    auto bytes = encode_frame(frame->hdr, options, *start_);
+    if (!bytes) return answer_of(bytes.error());
+    file = std::make_shared<const std::vector<std::byte>>(std::move(bytes).value());
+    files_.hold(sequence, file);
+  }
+  const std::string name = fmt::format("attachment; filename=\"{:06}.exr\"", sequence);
   return {.type = "image/x-exr",
-          .body = std::make_shared<const std::vector<std::byte>>(std::move(bytes).value()),
+          .body = std::move(file),
           .headers = {sequence_header(*frame), {"Content-Disposition", name}}};
 }
 

@@ -13,6 +13,7 @@
 #include "firmware_host/sinks/frame_sink.h"
 #include "firmware_host/sinks/live_view/emission_tally.h"
 #include "firmware_host/sinks/live_view/frame_picture.h"
+#include "firmware_host/sinks/live_view/held_files.h"
 #include "firmware_host/sinks/live_view/light_picture.h"
 #include "firmware_host/sinks/live_view/live_figures.h"
 #include "firmware_host/sinks/live_view/newest_frame.h"
@@ -70,6 +71,7 @@ class LiveView : public FrameSink {
   std::optional<Instant> start_;        // of the run; written before the first frame is put
   FramePicture pictures_;               // of the server's thread
   LightPicture lights_;                 // of the server's thread
+  HeldFiles files_;                     // of the server's thread
   std::unique_ptr<HttpServer> server_;  // last: its thread uses all of them
 };
 
