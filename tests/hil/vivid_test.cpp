@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "capture/capture_stage.h"
+#include "capture/pixel_unpack.h"
 #include "hal/real/camera_v4l2.h"
 #include "hal/real/device_node.h"
 #include "tests/contracts/camera_contract.h"
@@ -33,6 +34,29 @@ double mean_green(const Image<std::uint16_t>& codes) {
   for (int y = first; y < codes.rows(); ++y)
     for (int x = 0; x < codes.cols(); ++x) sum += codes.at(1, y, x);
   return sum / (static_cast<double>(rows) * codes.cols());
+}
+
+// The driver's own control of that name, as its menus count.
+void set_by_name(const DeviceNode& node, std::string_view name, int value) {
+  v4l2_queryctrl control{};
+  control.id = V4L2_CTRL_FLAG_NEXT_CTRL;
+  for (; node.ask(VIDIOC_QUERYCTRL, &control) == 0; control.id |= V4L2_CTRL_FLAG_NEXT_CTRL) {
+    if (reinterpret_cast<const char*>(control.name) != name) continue;
+    v4l2_control setting{control.id, value};
+    REQUIRE(node.ask(VIDIOC_S_CTRL, &setting) == 0);
+    return;
+  }
+  FAIL("vivid has no control '" << name << "'");
+}
+
+Image<std::uint16_t> picture_of(Camera& camera, PixelFormat format) {
+  value_of(camera.configure({format, kMode.width, kMode.height, kMode.frame_duration}, 3));
+  require_done(camera.start());
+  require_done(camera.queue({}));
+  Image<std::uint16_t> codes;
+  require_done(unpack_pixels(value_of(camera.wait(std::chrono::seconds(5))), {}, codes));
+  require_done(camera.stop());
+  return codes;
 }
 
 TEST_CASE("vivid keeps the camera contract") {
@@ -167,6 +191,31 @@ TEST_CASE("vivid delivers every format that it agrees to") {
     ++tried;
   }
   CHECK(tried >= 20);  // RGB, BGR, YUYV, NV12, grey, and Bayer of 8, 10, 12 and 16 bits in four orders
+}
+
+TEST_CASE("colours are the same by whatever matrix and range vivid makes YUV of them") {
+  constexpr int kEncodings[] = {V4L2_YCBCR_ENC_DEFAULT, V4L2_YCBCR_ENC_601, V4L2_YCBCR_ENC_709,
+                                V4L2_YCBCR_ENC_BT2020};
+  constexpr int kRanges[] = {V4L2_QUANTIZATION_DEFAULT, V4L2_QUANTIZATION_FULL_RANGE,
+                             V4L2_QUANTIZATION_LIM_RANGE};
+  const auto camera = vivid();
+  const DeviceNode node = value_of(DeviceNode::open(video_node("vivid-000-vid-cap")));
+  const Image<std::uint16_t> rgb = picture_of(*camera, PixelFormat::Rgb24);
+  for (const PixelFormat format : {PixelFormat::Yuyv, PixelFormat::Nv12})
+    for (const int encoding : kEncodings)
+      for (const int range : kRanges) {
+        INFO(name(format) << ", encoding " << encoding << ", range " << range);
+        set_by_name(node, "Y'CbCr Encoding", encoding);
+        set_by_name(node, "Quantization", range);
+        const Image<std::uint16_t> codes = picture_of(*camera, format);
+        int off = 0, all = 0;  // but for edges, where colour is shared
+        for (int y = codes.rows() / 2; y < codes.rows(); ++y)
+          for (int x = 0; x < codes.cols(); ++x, ++all)
+            for (int c = 0; c < 3; ++c) off += std::abs(codes.at(c, y, x) - rgb.at(c, y, x)) > 6 ? 1 : 0;
+        CHECK(off < all / 10);
+      }
+  set_by_name(node, "Y'CbCr Encoding", V4L2_YCBCR_ENC_DEFAULT);
+  set_by_name(node, "Quantization", V4L2_QUANTIZATION_DEFAULT);
 }
 
 TEST_CASE("a format that vivid does not have is refused with those that it has") {
