@@ -23,5 +23,8 @@ fingerprint() {
   { stat -c '%s %Y' "$1" 2>/dev/null || true; printf '%s\n' "$2"; } | sha256sum | cut -c1-16
 }
 
+# name_of RECORDING: of its folder in OUT and of its row in the table: without folder and extension.
+name_of() { sed 's|.*/||; s|\(.\)\.[^.]*$|\1|' <<<"$1"; }
+
 # job_says WORD FILE: what the file of a job says under that word; nothing where there is none.
 job_says() { sed -n "s/^$1 //p" "$2" 2>/dev/null || true; }

@@ -10,7 +10,7 @@ out=$1
 recording=$(sed -n "$(($2 + 1))p" "$out/recordings")
 [ -n "$recording" ] || { echo "there is no recording $2 in $out/recordings" >&2; exit 2; }
 mapfile -t flags <"$out/flags"
-folder=$out/$(basename "${recording%.*}")
+folder=$out/$(name_of "$recording")
 now=$(fingerprint "$recording" "$(same_for_all "${flags[@]}")")
 
 if [ "$(job_says fingerprint "$folder/job")" = "$now" ] && [ "$(job_says exit "$folder/job")" = 0 ] &&

@@ -23,7 +23,7 @@ done
 [ "$manner" != slurm ] || command -v sbatch >/dev/null ||
   { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
 . "$here/fingerprint.sh" # stops where there is no program
-names=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort)
+names=$(for recording in "${recordings[@]}"; do name_of "$recording"; done | sort)
 twice=$(uniq -d <<<"$names")
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
 list=$(grep -x -m 1 -e recordings -e flags <<<"$names" || true)

@@ -15,7 +15,7 @@ without_figures() {
   verdict=1
 }
 while IFS= read -r recording; do
-  name=$(basename "${recording%.*}")
+  name=$(name_of "$recording")
   job=$out/$name/job
   if [ ! -e "$job" ]; then
     without_figures 'not run'

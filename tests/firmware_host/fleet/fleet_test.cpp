@@ -167,6 +167,18 @@ TEST_CASE("a recording named as a list of the fleet is refused before anything i
   }
 }
 
+TEST_CASE("a recording without an extension has a folder of its own, also where a dot is in its path") {
+  const Fleet fleet("fleet_dots");
+  const fs::path takes = fs::path(fleet.out()).parent_path() / "rig-1.2";
+  fs::create_directories(takes);
+  for (const char* take : {"first", "second"}) std::ofstream(takes / take) << take;
+  const Said run = fleet.run_on("rig-1.2/first " + (takes / "second").string());
+  INFO(run.text);
+  CHECK(run.exit_code == 0);
+  CHECK(fleet.has("first/000003.exr"));
+  CHECK(fleet.has("second/000003.exr"));
+}
+
 TEST_CASE("an array that Slurm does not take ends the fleet, and no earlier result counts as its own") {
   const Fleet fleet("fleet_refused");
   REQUIRE(fleet.run("--plain", "3").exit_code == 0);
