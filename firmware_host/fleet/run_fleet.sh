@@ -10,6 +10,7 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 manner=slurm at_once='' out='' recordings=() flags=()
 while [ $# -gt 0 ]; do
   case "$1" in
+    --at-once | -o) [ $# -gt 1 ] || { echo "$1 needs a value" >&2; exit 2; } ;;&
     --plain | --one-node) manner=${1#--} ;;
     --at-once) at_once=$2; shift ;;
     -o) out=$2; shift ;;
@@ -20,6 +21,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 [ -n "$out" ] && [ ${#recordings[@]} -gt 0 ] || { echo "give recordings and -o FOLDER" >&2; exit 2; }
+[[ $at_once =~ ^([1-9][0-9]*)?$ ]] || { echo "--at-once takes a number, 1 or more, not '$at_once'" >&2; exit 2; }
 [ "$manner" != slurm ] || command -v sbatch >/dev/null ||
   { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
 . "$here/fingerprint.sh" # stops where there is no program

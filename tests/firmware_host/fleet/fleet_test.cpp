@@ -49,8 +49,8 @@ class Fleet {
     return shell(
         fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames));
   }
-  Said run_on(const std::string& recording) const {
-    return shell(fmt::format("run_fleet.sh --plain -o {} {}/{} -- 3", out(), place_, recording));
+  Said run_on(const std::string& recording, const std::string& frames = " -- 3") const {
+    return shell(fmt::format("run_fleet.sh --plain -o {} {}/{}{}", out(), place_, recording, frames));
   }
   Said summary() const { return shell("summary.sh " + out()); }
 
@@ -165,6 +165,22 @@ TEST_CASE("a recording named as a list of the fleet is refused before anything i
     CHECK_THAT(refused.text, Contains("as is a list of the fleet") && Contains("rename it"));
     CHECK_FALSE(fs::exists(fleet.out()));
   }
+}
+
+TEST_CASE(
+    "a flag of the fleet without its value, or with one that is none, is refused before anything is "
+    "written") {
+  const Fleet fleet("fleet_values");
+  const Said number = fleet.run("--plain --at-once many", "3");
+  INFO(number.text);
+  CHECK(number.exit_code == 2);
+  CHECK_THAT(number.text, Contains("--at-once takes a number"));
+  CHECK_FALSE(fs::exists(fleet.out()));
+  const Said nothing = fleet.run_on("a.mkv --at-once", "");
+  INFO(nothing.text);
+  CHECK(nothing.exit_code == 2);
+  CHECK_THAT(nothing.text, Contains("--at-once needs a value"));
+  CHECK_FALSE(fs::exists(fleet.out()));
 }
 
 TEST_CASE("a recording without an extension has a folder of its own, also where a dot is in its path") {
