@@ -10,26 +10,60 @@
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
-TEST_CASE("a service that does not start again does not fail the installation of the package") {
-  const std::string folder = sample::scratch_folder("postinst"), calls = folder + "/calls";
-  std::ifstream packaged(HDRCAM_SOURCE_DIR "/firmware_host/packaging/deb/postinst");
+namespace {
+
+struct Said {
+  int status = -1;
+  std::string calls;  // of the programs, a line each
+};
+
+// A maintainer's script where systemd runs and systemctl fails.
+Said script_says(const std::string& name, const std::string& argument) {
+  const std::string folder = sample::scratch_folder(name), calls = folder + "/calls";
+  std::ifstream packaged(HDRCAM_SOURCE_DIR "/firmware_host/packaging/deb/" + name);
   std::string script(std::istreambuf_iterator<char>(packaged), {});
   const std::string booted = "/run/systemd/system";  // exists where systemd runs
   const std::size_t at = script.find(booted);
   REQUIRE(at != std::string::npos);
   script.replace(at, booted.size(), folder);
-  std::ofstream(folder + "/postinst") << script;
+  std::ofstream(folder + "/" + name) << script;
   for (const char* program : {"systemctl", "systemd-sysusers", "udevadm"}) {
     const std::string path = folder + "/" + program;
     std::ofstream(path) << "#!/bin/sh\necho " << program << " \"$@\" >> " << calls << "\n[ " << program
                         << " != systemctl ]\n";
     fs::permissions(path, fs::perms::owner_all);
   }
-  const std::string line = "PATH=" + folder + ":$PATH sh " + folder + "/postinst configure";
-  CHECK(std::system(line.c_str()) == 0);
+  const std::string line = "PATH=" + folder + ":$PATH sh " + folder + "/" + name + " " + argument;
+  Said said;
+  said.status = std::system(line.c_str());
   std::ifstream called(calls);
-  const std::string text(std::istreambuf_iterator<char>(called), {});
-  CHECK(text.find("systemctl try-restart hdrcam.service") != std::string::npos);
+  said.calls.assign(std::istreambuf_iterator<char>(called), {});
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE("a service that does not start again does not fail the installation of the package") {
+  const Said said = script_says("postinst", "configure");
+  CHECK(said.status == 0);
+  CHECK_THAT(said.calls, Contains("systemctl try-restart hdrcam.service"));
+}
+
+TEST_CASE("devices that are there when the package is installed get the groups of its rules") {
+  const std::string calls = script_says("postinst", "configure").calls;
+  const std::size_t read = calls.find("udevadm control --reload"), applied = calls.find("udevadm trigger");
+  REQUIRE(read != std::string::npos);
+  REQUIRE(applied != std::string::npos);
+  CHECK(read < applied);
+  std::ifstream packaged(HDRCAM_SOURCE_DIR "/firmware_host/packaging/60-hdrcam.rules");
+  const std::string rules(std::istreambuf_iterator<char>(packaged), {}), word = "SUBSYSTEM==\"";
+  int subsystems = 0;
+  for (std::size_t at = 0; (at = rules.find(word, at)) != std::string::npos; ++subsystems) {
+    at += word.size();
+    CHECK_THAT(calls, Contains("--subsystem-match=" + rules.substr(at, rules.find('"', at) - at)));
+  }
+  CHECK(subsystems == 4);
 }
