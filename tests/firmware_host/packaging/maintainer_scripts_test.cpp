@@ -1,8 +1,11 @@
-// What the package's script does on installation, with programs of the test in place of the system's.
+// What the package's scripts do on installation and removal, with programs of the test in place of the
+// system's.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <utility>
 
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
@@ -66,4 +69,14 @@ TEST_CASE("devices that are there when the package is installed get the groups o
     CHECK_THAT(calls, Contains("--subsystem-match=" + rules.substr(at, rules.find('"', at) - at)));
   }
   CHECK(subsystems == 4);
+}
+
+TEST_CASE("the package can be removed and replaced, though systemd does not obey") {
+  for (const auto& [script, argument] :
+       {std::pair{"prerm", "remove"}, {"postrm", "remove"}, {"postrm", "upgrade"}}) {
+    INFO(script << " " << argument);
+    const Said said = script_says(script, argument);
+    CHECK(said.status == 0);
+    CHECK_THAT(said.calls, Contains("systemctl "));
+  }
 }
