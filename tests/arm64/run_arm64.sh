@@ -52,4 +52,6 @@ cmake --build "$cache" --parallel "${JOBS:-$(nproc)}" --target hdrcam hdrcam_tes
 # No Vulkan driver of this machine is one of that processor.
 export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null
 algebra=/usr/lib/aarch64-linux-gnu/blas:/usr/lib/aarch64-linux-gnu/lapack
-exec qemu-aarch64 -L "$root" -E LD_LIBRARY_PATH="$algebra" "$cache/tests/hdrcam_tests" "$@"
+emulated=(qemu-aarch64 -L "$root" -E LD_LIBRARY_PATH="$algebra" "$cache/tests/hdrcam_tests")
+[ -n "$("${emulated[@]}" --list-test-names-only "$@" || true)" ] || { echo "arm64: no test is selected by: $*" >&2; exit 1; }
+exec "${emulated[@]}" "$@"
