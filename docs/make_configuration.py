@@ -27,6 +27,8 @@ def flag_of(table, name):
     found = re.search(rf'"{table}\.{name}",\s*"(-[^"]*)"', source)
     if not found:
         found = re.search(rf'{{"{name}", "(-[^"]*)"', source)
+    if not found:  # a name that has a constant
+        found = re.search(rf'::k{name.capitalize()},\s*"(-[^"]*)"', source)
     return found[1]
 
 
