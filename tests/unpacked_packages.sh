@@ -10,11 +10,12 @@
 # needs: apt with Debian 12's lists (DEBIAN_SOURCES: another file), and setup_failed TEXT of the script that sources it.
 
 packages_in() {
-  local folder=$1
+  local folder=$1 sources=/etc/apt/sources.list.d/debian.sources
   shift
+  [ -e "$sources" ] || sources=/etc/apt/sources.list # of Debian 12's installer; containers have the other
   mkdir -p "$folder/lists/partial" "$folder/cache/archives/partial"
   apt_archives=$folder/cache/archives
-  apt_options=(-o Dir::Etc::sourcelist="${DEBIAN_SOURCES:-/etc/apt/sources.list.d/debian.sources}"
+  apt_options=(-o Dir::Etc::sourcelist="${DEBIAN_SOURCES:-$sources}"
     -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$folder/lists" -o Dir::Cache="$folder/cache"
     -o APT::Install-Recommends=false -o APT::Sandbox::User=root -o Debug::NoLocking=1 "$@")
   apt-get "${apt_options[@]}" -qq update || setup_failed "apt-get update failed"
