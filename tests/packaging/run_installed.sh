@@ -22,6 +22,10 @@ mv "$work/first" "$work/usr"
 PATH=$work/usr/bin:$PATH
 [ "$(hdrcam --version)" = "$("$build/hdrcam" --version)" ] && ok "the installed program runs" || not_ok "hdrcam --version"
 
+guides=$work/usr/share/doc/hdrcam
+quiet "the pages that README.md links are there" \
+  sh -c "cd '$guides' && ls -d \$(grep -o '](docs/[a-z-]*[.]md' README.md | cut -c3- | sort -u) >/dev/null"
+
 # The library, by both ways to find it.
 example=$work/usr/share/doc/hdrcam-dev/examples/mean_radiance
 frames=$(hdrcam info "$root/tests/data/demo.mkv" | sed -n 's/^ *frames  *\([0-9]*\) in.*/\1/p')
