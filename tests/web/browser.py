@@ -21,7 +21,11 @@ class Browser:
                             f'--window-size={width},{height}', *flags]}
         wish = {'capabilities': {'alwaysMatch': {'browserName': 'chrome', 'goog:chromeOptions': options,
                                                  'goog:loggingPrefs': {'browser': 'ALL'}}}}
-        session = self.ask('POST', '/session', wish)
+        try:
+            session = self.ask('POST', '/session', wish)
+        except Exception:
+            self.driver.terminate()
+            raise
         self.version = session['capabilities']['browserVersion']
         self.session = '/session/' + session['sessionId']
 

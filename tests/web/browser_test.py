@@ -194,28 +194,30 @@ def main():
     hdrcam = sys.argv[1]
     with tempfile.TemporaryDirectory(prefix='hdrcam-web-') as folder:
         program = Program(hdrcam, folder)
-        browser = Browser(1180, 1220)
         try:
-            print(f'Chromium {browser.version} on {program.url}', flush=True)
-            browser.open(program.url + '#token=' + TOKEN)
-            check_moving_picture(browser)
-            check_figures(browser)
-            check_looks(browser)
-            check_radiance_under_pointer(browser, program)
-            if len(sys.argv) > 2:
-                picture = pathlib.Path(sys.argv[2])
-                picture.parent.mkdir(parents=True, exist_ok=True)
-                picture.write_bytes(base64.b64decode(browser.screenshot()))
-                step(f'{picture}: {picture.stat().st_size} bytes')
-            check_actions(browser, program, hdrcam)
-            # What it was made to be refused, and the pictures before the first frame.
-            expected = ('/record - Failed to load resource', 'status of 503')
-            refused = [line for line in browser.complaints() if not any(words in line for words in expected)]
-            assert not refused, f'the browser complains: {refused}'
-            check_light(program)
-            check_many_clients(program)
-        finally:
-            browser.close()
+            browser = Browser(1180, 1220)
+            try:
+                print(f'Chromium {browser.version} on {program.url}', flush=True)
+                browser.open(program.url + '#token=' + TOKEN)
+                check_moving_picture(browser)
+                check_figures(browser)
+                check_looks(browser)
+                check_radiance_under_pointer(browser, program)
+                if len(sys.argv) > 2:
+                    picture = pathlib.Path(sys.argv[2])
+                    picture.parent.mkdir(parents=True, exist_ok=True)
+                    picture.write_bytes(base64.b64decode(browser.screenshot()))
+                    step(f'{picture}: {picture.stat().st_size} bytes')
+                check_actions(browser, program, hdrcam)
+                # What it was made to be refused, and the pictures before the first frame.
+                expected = ('/record - Failed to load resource', 'status of 503')
+                refused = [line for line in browser.complaints() if not any(words in line for words in expected)]
+                assert not refused, f'the browser complains: {refused}'
+                check_light(program)
+                check_many_clients(program)
+            finally:
+                browser.close()
+        finally:  # also where there is no browser
             summary = program.end()
         print(summary, end='')
     print('the live view works in the browser')
