@@ -37,15 +37,17 @@ void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t s
         mean < kGaussianFrom_e ? poisson(mean, shot.uniform(pixel)) : mean + std::sqrt(mean) * normal;
     return std::clamp(count, 0.f, full_well_e);
   };
-  // Normal numbers come in pairs: one pair for the shot noise of two neighbours, one for their reading.
+  // Normal numbers come in pairs: one pair for the shot noise of two neighbours, one for their reading. A
+  // count of a small mean takes its pixel's own bits; a bright pixel that follows it takes those of its own.
   for (std::size_t i = 0; i < electrons.size(); i += 2) {
     const std::uint64_t pixel = first_pixel + i;
     const bool has_neighbour = i + 1 < electrons.size();
     float& a = electrons[i];
     float& b = electrons[has_neighbour ? i + 1 : i];
     const float mean_a = a, mean_b = b;
-    const auto shots =
-        std::max(mean_a, mean_b) < kGaussianFrom_e ? CounterRandom::Pair{} : shot.normals(pixel);
+    const auto shots = std::max(mean_a, mean_b) < kGaussianFrom_e
+                           ? CounterRandom::Pair{}
+                           : shot.normals(mean_a < kGaussianFrom_e ? pixel + 1 : pixel);
     const auto reads = read.normals(pixel);
     if (has_neighbour) b = drawn(mean_b, pixel + 1, shots.b) + settings_.read_noise_e * reads.b;
     a = drawn(mean_a, pixel, shots.a) + settings_.read_noise_e * reads.a;

@@ -42,6 +42,24 @@ TEST_CASE("noise has the mean and the variance of shot plus read noise, in the d
   }
 }
 
+TEST_CASE("the noise of neighbours is independent, where one is dark and the other bright too") {
+  const Noise noise({.read_noise_e = 0}, 3);
+  constexpr double kPairs = 100'000;
+  for (const float first : {10.f, 1000.f})
+    for (const float second : {10.f, 1000.f}) {
+      std::vector<float> electrons;
+      while (electrons.size() < 2 * static_cast<std::size_t>(kPairs))
+        electrons.push_back(first), electrons.push_back(second);
+      noise.apply(electrons, 1e6f, 1, 0);
+      double sum = 0;
+      for (std::size_t i = 0; i < electrons.size(); i += 2)
+        sum += static_cast<double>((electrons[i] - first) * (electrons[i + 1] - second));
+      INFO(first << " and " << second << " electrons");
+      CHECK(sum / kPairs / std::sqrt(static_cast<double>(first * second)) ==
+            Approx(0).margin(5 / std::sqrt(kPairs)));
+    }
+}
+
 TEST_CASE("charge is clipped at the full well before it is read") {
   const Noise noise({.read_noise_e = 2}, 3);
   std::vector<float> electrons(10'000, 50'000.f);
