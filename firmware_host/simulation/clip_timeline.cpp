@@ -14,6 +14,12 @@ Result<ClipTimeline> ClipTimeline::create(const Simulation& simulation, std::vec
         ErrorCode::BadExposure,
         fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
                     longest_s * 1e3, simulation.framerate_hz)};
+  for (const Exposure& exposure : timeline.cycle_)
+    if (exposure.gain < 1)
+      return Error{ErrorCode::BadExposure,
+                   fmt::format("gain {:.4g}: a pixel of the simulated sensor is full before its code is the "
+                               "largest; give gains of 1 and more",
+                               exposure.gain)};
   return timeline;
 }
 

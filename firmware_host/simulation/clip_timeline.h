@@ -15,7 +15,8 @@ namespace hdrcam {
 
 class ClipTimeline {
  public:
-  // The simulation outlives it. Errors: BadExposure for a cycle with an exposure that is longer than a frame.
+  // The simulation outlives it. Errors: BadExposure for a cycle with an exposure that is longer than a frame,
+  // or with a gain below 1, the simulated camera's least.
   static Result<ClipTimeline> create(const Simulation& simulation, std::vector<Exposure> cycle);
 
   // The first frame from this one on that is not lost. Errors: Invalid for a scene that loses them all.

@@ -61,3 +61,11 @@ TEST_CASE("a clip's exposures fit its frames") {
   require_error(ClipTimeline::create(simulation, kCycle), ErrorCode::BadExposure);
   CHECK(value_of(ClipTimeline::create(simulation, {{1ms, 1}, {10ms, 1}})).longest_exposure_s() == 0.01);
 }
+
+TEST_CASE("a clip has no gain at which a full pixel would not read as saturated") {
+  const Simulation simulation = value_of(simulation_of("still"));
+  const Error refusal = ClipTimeline::create(simulation, {{1ms, 1}, {4ms, 0.5}}).error();
+  CHECK(refusal.code == ErrorCode::BadExposure);
+  CHECK(refusal.message.find("gain 0.5") != std::string::npos);
+  CHECK(value_of(ClipTimeline::create(simulation, {{1ms, 1}, {4ms, 1.5}})).shot(1).gain == 1.5);
+}
