@@ -11,7 +11,8 @@ namespace {
 
 constexpr Duration kShortestFrame = std::chrono::milliseconds(1);
 constexpr Duration kExposureStep = std::chrono::microseconds(10);
-constexpr Duration kFirstExposure = std::chrono::milliseconds(4);  // until a control acts
+constexpr Duration kFirstExposure =
+    std::chrono::milliseconds(4);  // until a control acts, if frames are long enough
 constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,        PixelFormat::Bgr24,       PixelFormat::Rggb8,
                                     PixelFormat::Rggb10,       PixelFormat::Rggb12,      PixelFormat::Rggb16,
                                     PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed};
@@ -117,7 +118,8 @@ Result<void> SimulatedCamera::start() {
   epoch_ = triggered() ? now : now + mode_.frame_duration;  // the sensor starts up
   opened_.reset(), read_out_ = now;
   next_frame_ = 0;
-  exposure_ = DelayedControl<Duration>(delays_of(simulation_).exposure, kFirstExposure);
+  exposure_ = DelayedControl<Duration>(delays_of(simulation_).exposure,
+                                       std::min(kFirstExposure, capabilities_.exposure_max));
   gain_ = DelayedControl<double>(delays_of(simulation_).gain, 1);
   return {};
 }

@@ -309,6 +309,21 @@ TEST_CASE("five hundred and a thousand small frames a second can be asked for") 
   }
 }
 
+TEST_CASE("frames that are exposed before a control acts are no longer than the camera can expose") {
+  for (const int fps : {30, 500, 1000}) {
+    VirtualClock clock;
+    const auto camera = virtual_camera(fmt::format("{}&delay=2,1&fps={}", kTiny, fps), clock);
+    value_of(camera->configure({}, 4));
+    require_done(camera->start());
+    require_done(camera->queue({0, std::chrono::microseconds(500), 1}));
+    const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(1)));
+    INFO(fps << " frames a second");
+    REQUIRE(buffer.exposure);
+    CHECK(*buffer.exposure <= camera->capabilities().exposure_max);
+    if (fps == 30) CHECK(*buffer.exposure == milliseconds(4));
+  }
+}
+
 TEST_CASE("an unplugged camera says so in every call that needs it") {
   Stream stream(kTiny);
   stream.next();
