@@ -26,6 +26,15 @@ TEST_CASE("distortion moves a ray by its polynomial, and back") {
     }
 }
 
+TEST_CASE("distortion has its inverse in the corners of a picture that is taller than wide") {
+  const Distortion lens({.k1 = -0.12f, .k2 = 0.02f});
+  for (const float y : {1.0f, 1.2f, 1.4f, 1.7f, 2.5f, 8.f}) {
+    const Vec2 seen = lens.distorted(lens.undistorted({-1, y}));
+    CHECK(seen.x == Approx(-1).epsilon(1e-5));
+    CHECK(seen.y == Approx(y).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("vignetting follows the fourth power of the cosine") {
   const Intrinsics lens = centred_intrinsics(64, 48, std::numbers::pi / 3);
   const Vignetting natural({.strength = 1}, lens, 48, 64), wide_open({.strength = 2}, lens, 48, 64);
