@@ -6,6 +6,8 @@
 namespace hdrcam {
 namespace {
 
+constexpr float kRayWidth_px = 0.5f;  // for the filter of the textures
+
 void put(Image<float>& image, int y, int x, Colour value) {
   image.at(0, y, x) = value.x, image.at(1, y, x) = value.y, image.at(2, y, x) = value.z;
 }
@@ -24,19 +26,6 @@ float way_over(std::span<const Hit> hits) {
     longest2 = std::max(longest2, dot(way, way));
   }
   return std::sqrt(longest2);
-}
-
-// Of hits on one surface.
-Hit mean_of(std::span<const Hit> hits) {
-  const float share = 1 / static_cast<float>(hits.size());
-  Hit mean;
-  mean.object = hits[0].object, mean.part = hits[0].part;
-  for (const Hit& hit : hits) {
-    mean.depth_m += hit.depth_m * share;
-    mean.point = mean.point + hit.point * share;
-    mean.normal = mean.normal + hit.normal * share;
-  }
-  return mean;
 }
 
 }  // namespace
@@ -154,7 +143,7 @@ void Renderer::spread_blur() {
 
 void Renderer::render_tile(ExposureSpan span, int tile_y, int tile_x, Image<float>& light) const {
   const Near objects = near(tile_y, tile_x);
-  const bool simple = objects.empty() || sampling_ == Sampling::Quick;
+  const bool quick = sampling_ == Sampling::Quick, simple = objects.empty() || quick;
   const float blur_px = spread_blur_.at(0, tile_y, tile_x);
   const int along_motion = blur_px > 0 ? shutter_.blur->samples(blur_px) : 1;
   const int y1 = std::min(rows_, (tile_y + 1) * kTile), x1 = std::min(cols_, (tile_x + 1) * kTile);
@@ -163,7 +152,7 @@ void Renderer::render_tile(ExposureSpan span, int tile_y, int tile_x, Image<floa
     if (along_motion == 1) row.begin_s = row.end_s = (row.begin_s + row.end_s) / 2;
     for (int x = tile_x * kTile; x < x1; ++x)
       put(light, y, x,
-          simple ? mean_of_many(row, y, x, along_motion, objects)
+          simple ? mean_of_many(row, y, x, quick ? along_motion : std::max(along_motion, kRays), objects)
                  : mean_radiance(row, y, x, along_motion, objects));
   }
 }
@@ -175,8 +164,7 @@ Hit Renderer::cast(const View& view, int y, int x, Vec2 place, Near objects) con
 
 // The mean over the pixel and its exposure. along_motion: samples that the fastest object nearby needs.
 Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion, Near objects) const {
-  constexpr float kOne = 1.5f, kTwo = 2.5f, kFour = 3;    // longest path, in pixels, for this many samples
-  constexpr float kGroupWidth = 0.75f, kRayWidth = 0.5f;  // pixels: for the filter of the textures
+  constexpr float kFour = 3;  // longest path, in pixels, for four samples
   const float pixel = 1 / static_cast<float>(lens_.intrinsics.fx_px);
   const auto time_s = [&](double fraction) { return row.begin_s + (row.end_s - row.begin_s) * fraction; };
   const auto ray = [&](double fraction, int place) {
@@ -186,7 +174,7 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
   const View& middle = view_at(time_s(0.5));
   const auto sum_of_each = [&](const std::array<Hit, kRays>& each) {
     Colour sum;
-    for (const Hit& hit : each) sum = sum + middle.radiance(hit, kRayWidth * pixel);
+    for (const Hit& hit : each) sum = sum + middle.radiance(hit, kRayWidth_px * pixel);
     return sum;
   };
   const float way = way_over(hits) / (pixel * hits[0].depth_m);
@@ -200,18 +188,12 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
     for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0})
       if (surface_of(ray(fraction, 0)) != surface_of(hits[0]))
         return mean_of_many(row, y, x, along_motion, objects);
-  // The mean place of what moves is no mean over its way.
-  if (way > kTwo || along_motion > 1) return sum_of_each(hits) * (1.f / kRays);
-  if (way <= kOne) return middle.radiance(mean_of(hits), kGroupWidth * pixel);
-  const std::array<Hit, 2> left{hits[0], hits[2]}, right{hits[1], hits[3]};  // above each other
-  return (middle.radiance(mean_of(left), kGroupWidth * pixel) +
-          middle.radiance(mean_of(right), kGroupWidth * pixel)) *
-         0.5f;
+  return sum_of_each(hits) * (1.f / kRays);
 }
 
 // The same from samples at even time steps. Where they meet more than one surface, they are doubled once.
 Colour Renderer::mean_of_many(ExposureSpan row, int y, int x, int samples, Near objects) const {
-  const float footprint = 0.5f / static_cast<float>(lens_.intrinsics.fx_px);
+  const float footprint = kRayWidth_px / static_cast<float>(lens_.intrinsics.fx_px);
   Colour sum;
   int first_surface = -1;
   bool outline = false;

@@ -1,9 +1,9 @@
 // Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its
-// exposure. Work is spent where the picture needs it: four rays find the surfaces of a pixel; a single
-// surface is sampled in proportion to the pixel's path over it, whether the surface is slanted or moves;
-// where several surfaces meet there are twice as many rays. Rays test only the objects that are visible in
-// their tile of the picture. Thread-bound; owns its buffers, allocates nothing after the first frame of a
-// size; the result does not depend on the number of threads.
+// exposure. Four rays paint a pixel, sharp or blurred, so that the two differ by their blur alone; where the
+// motion of its tile is longer than four pixels and crosses the pixel by more than three there are as many as
+// the motion needs, and where several surfaces meet twice as many. Rays test only the objects that are
+// visible in their tile of the picture. Thread-bound; owns its buffers, allocates nothing after the first
+// frame of a size; the result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Motion blur: radiance is averaged over the exposure, with at least one instant per pixel of motion, and a
-// single one where the motion is shorter than half a pixel. Value type, reentrant.
+// Motion blur: radiance is averaged over the exposure, with at least four instants and one per pixel of
+// motion, and a single one where the motion is shorter than half a pixel. Value type, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,8 @@ class MotionBlur {
   // blur_px: the motion of a point in the picture during the exposure. Returns a power of two.
   int samples(float blur_px) const {
     if (blur_px <= kSharp_px) return 1;
-    const float wanted = std::min(std::ceil(blur_px), static_cast<float>(most_));
+    constexpr float kFew = 4;  // fewer places in the pixel would follow the motion
+    const float wanted = std::min(std::max(kFew, std::ceil(blur_px)), static_cast<float>(most_));
     return static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)));
   }
   // The k-th of n instants, as a fraction of the exposure.

@@ -87,6 +87,19 @@ TEST_CASE("what moves by some pixels blurs as far as it moves") {
   CHECK(shown == Approx(1).margin(0.1));
 }
 
+TEST_CASE("a sharp picture is the mean over the areas of its pixels, as a blurred one is") {
+  constexpr int kTimes = 4;
+  Stage stage("walk"), fine("walk", kTimes);
+  Image<float> picture, dense, mean(3, kRows, kCols);
+  stage.renderer({}).render({0.7, 0.7}, picture);
+  fine.renderer({}).render({0.7, 0.7}, dense);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < fine.rows; ++y)
+      for (int x = 0; x < fine.cols; ++x)
+        mean.at(c, y / kTimes, x / kTimes) += dense.at(c, y, x) / (kTimes * kTimes);
+  CHECK(difference(picture, mean) < 0.02);
+}
+
 TEST_CASE("a long exposure of a scene at rest is the sharp picture") {
   Stage stage("still");
   Renderer blurred = stage.renderer(blurring()), sharp = stage.renderer({});

@@ -106,6 +106,7 @@ TEST_CASE(
   const MotionBlur blur({.most_samples = 16});
   CHECK(blur.samples(0) == 1);
   CHECK(blur.samples(0.5f) == 1);
+  CHECK(blur.samples(0.6f) == 4);
   CHECK(blur.samples(4) == 4);
   CHECK(blur.samples(4.1f) == 8);
   CHECK(blur.samples(1e6f) == 16);
