@@ -66,9 +66,10 @@ struct Judgement {
   bool trusted() const {
     return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;
   }
-  // Pictures do not prove an exposure that was estimated from them.
+  // Pictures do not prove an exposure that was taken from them.
   void limit_to(ExposureSource stated) {
     if (stated == ExposureSource::Estimated && trusted()) verdict = Verdict::Estimated;
+    if (stated == ExposureSource::Photometric && verdict == Verdict::Proved) verdict = Verdict::Plausible;
   }
 };
 

@@ -3,9 +3,10 @@
 // well, from the frames after them, since none precede them. A label that all pictures contradict is replaced
 // where they agree on another of the clip's own exposures; otherwise the frame is flagged. An exposure that
 // was proved on the camera stays proved unless the pictures contradict it. Exposures that were estimated from
-// the pictures are at best estimated: pictures do not prove what was taken from them. Where neighbours have
-// nothing in common that a ratio could be taken of, there is an objection only if many of them are darker
-// though their labels say that they should be brighter, or the reverse. Thread-bound.
+// the pictures are at best estimated, labels that the pictures gave a frame plausible: pictures do not prove
+// what was taken from them. Where neighbours have nothing in common that a ratio could be taken of, there is
+// an objection only if many of them are darker though their labels say that they should be brighter, or the
+// reverse. Thread-bound.
 #pragma once
 
 #include <optional>

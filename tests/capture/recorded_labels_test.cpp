@@ -304,6 +304,18 @@ TEST_CASE("what a camera proved stays proved, and what nobody knew is found by t
   CHECK(result.counters.proved == 23);
 }
 
+TEST_CASE("labels that were taken from the pictures are not proved by the same pictures", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  auto frames = filmed(scene, 24);
+  for (RawFrame& frame : frames) {
+    frame.facts.exposure_source = ExposureSource::Photometric;
+    frame.facts.verdict = Verdict::Plausible;
+  }
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.counters.plausible == 24);
+  for (const FrameFacts& facts : result.facts) CHECK(facts.exposure_s == true_exposure_s(scene, facts));
+}
+
 TEST_CASE("where pictures say nothing, a flag of the recording stays", "[capture]") {
   auto scene = scene_of({0.001, 0.004, 0.016});
   auto frames = filmed(scene, 12);
