@@ -194,14 +194,16 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
 }
 
 // An exposure cannot outlast its frame: its duration is wrong, though its ratio to the others may be right.
-// An estimated one has no duration.
+// An estimated one has no duration. Where exposures end on the camera's grid, the centre of a long one is
+// nearer than a frame to that of a short one before it.
 void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration> interval) {
   FrameFacts& facts = frame.raw.facts;
-  if (!interval || !facts.has_exposure_time() || !outlasts_frame(facts.exposure_s, to_seconds(*interval)))
-    return;
+  if (!interval || !facts.has_exposure_time()) return;
+  const double frame_s = std::max(to_seconds(*interval), 1 / camera_.framerate_hz);
+  if (!outlasts_frame(facts.exposure_s, frame_s)) return;
   if (frame.proof.verdict == Verdict::Proved) facts.verdict = frame.proof.verdict = Verdict::Plausible;
   overlong_.object("frame {}: an exposure of {:.6g} s does not fit into {:.6g} s", facts.sequence,
-                   facts.exposure_s, to_seconds(*interval));
+                   facts.exposure_s, frame_s);
 }
 
 std::optional<std::string> RecordedLabels::objection() const {

@@ -290,6 +290,23 @@ TEST_CASE("a long first exposure fits its frame although the next one's centre i
   CHECK(longer->message == "frame 0: an exposure of 0.04 s does not fit into 0.0333333 s");
 }
 
+TEST_CASE("a long exposure fits its frame where exposures end a frame apart, though its centre comes early",
+          "[capture]") {
+  const auto strict = [](double last_s) {
+    const auto scene = scene_of({0.001, 0.004, last_s});
+    auto frames = filmed(scene, 24);
+    for (RawFrame& frame : frames) {
+      frame.codes.fill(0);  // the pictures say nothing
+      frame.facts.timestamp = frame.facts.timestamp + from_seconds(-frame.facts.exposure_s / 2);
+    }
+    return judged(scene, std::move(frames), Contradiction::Fails).error;
+  };
+  CHECK_FALSE(strict(0.03));
+  const auto longer = strict(0.04);
+  REQUIRE(longer);
+  CHECK(longer->message == "frame 2: an exposure of 0.04 s does not fit into 0.0333333 s");
+}
+
 TEST_CASE("what a camera proved stays proved, and what nobody knew is found by the pictures", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   auto frames = filmed(scene, 24);
