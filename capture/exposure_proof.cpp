@@ -51,6 +51,19 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   });
 }
 
+void ExposureProof::widen_undecided() {
+  for (std::size_t age = 0; age < count_; ++age) {
+    Frame& frame = back(age);
+    if (frame.judgement.trusted()) continue;
+    for (const Exposure& exposure : current_cycle()) {
+      const double value = log_product(exposure);
+      const auto same = [&](double other) { return same_exposure(other, value); };
+      if (frame.values.size() < kValues && std::ranges::none_of(frame.values, same))
+        frame.values.push_back(value);
+    }
+  }
+}
+
 // The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure outside the
 // cycle, it is a candidate too, in place of a neighbour that no picture could distinguish from it.
 void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {

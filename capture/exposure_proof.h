@@ -82,6 +82,9 @@ class ExposureProof {
   // candidates, because queued requests still carry them, until enough frames are proved to have the new
   // ones, or so many in a row are undecided that no request can carry the earlier ones any more.
   void set_cycle(std::span<const Exposure> cycle);
+  // For a cycle that is learned from labels: undecided frames before it was known may have its exposures,
+  // too.
+  void widen_undecided();
   // Discards the evidence of earlier frames: after a new response or a restart of the camera.
   void forget() { count_ = 0; }
 

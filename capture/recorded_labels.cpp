@@ -80,6 +80,7 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   for (const Label& seen : cycle_)
     exposures.push_back({from_seconds(seen.exposure_s), seen.analogue_gain * seen.digital_gain});
   proof_.set_cycle(exposures);
+  proof_.widen_undecided();
 }
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {

@@ -321,6 +321,25 @@ TEST_CASE("what a camera proved stays proved, and what nobody knew is found by t
   CHECK(result.counters.proved == 23);
 }
 
+TEST_CASE("a first label of its exposure stays, though frames before it without one look the same",
+          "[capture]") {
+  const auto scene = scene_of({0.001, 0.016});
+  auto frames = filmed(scene, 30);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i % 2 == 0) frames[i].codes.fill(0);  // only the long exposures can be compared
+    if (i == 0 || i > 16) continue;
+    FrameFacts& facts = frames[i].facts;
+    facts.exposure_s = 0, facts.exposure_source = ExposureSource::Unknown;
+    facts.verdict = Verdict::Unknown, facts.flags = kFrameExposureUnproved;
+  }
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.warnings.empty());
+  for (std::size_t i = 17; i < result.facts.size(); ++i) {
+    CHECK(result.facts[i].exposure_s == true_exposure_s(scene, result.facts[i]));
+    CHECK(result.facts[i].flags == 0);
+  }
+}
+
 TEST_CASE("labels that were taken from the pictures are not proved by the same pictures", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   auto frames = filmed(scene, 24);
