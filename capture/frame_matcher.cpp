@@ -48,7 +48,8 @@ int FrameMatcher::frames_since(const Previous& previous, const CapturedBuffer& b
   if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
   const double elapsed = interval_.frames_in(buffer.timestamp - previous.timestamp);
   const double by_time = std::round(elapsed);
-  const bool on_grid = interval_.measured() && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
+  const bool on_grid =
+      interval_.measured() && previous.in_order && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
   const auto by_strobe = static_cast<double>(strobes);
   const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
   const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;
@@ -57,10 +58,11 @@ int FrameMatcher::frames_since(const Previous& previous, const CapturedBuffer& b
 
 // The same, 0 for the first buffer, which becomes the previous one.
 int FrameMatcher::count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) {
-  const auto previous = std::exchange(previous_, Previous{buffer.sequence, buffer.timestamp});
+  const bool in_order = !previous_ || buffer.timestamp > previous_->timestamp;
+  const auto previous = std::exchange(previous_, Previous{buffer.sequence, buffer.timestamp, in_order});
   if (!previous) return 0;
   const int frames = frames_since(*previous, buffer, strobes, triggers);
-  if (buffer.sequence > previous->sequence && buffer.timestamp > previous->timestamp)
+  if (buffer.sequence > previous->sequence && in_order && previous->in_order)
     interval_.observe(buffer.sequence - previous->sequence, buffer.timestamp - previous->timestamp);
   return frames;
 }

@@ -10,8 +10,8 @@
 // Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
 // decides if it lies on the grid of the frame interval, otherwise the number (counters restart in standby and
-// miss drops). With a trigger there is nothing to decide: each pulse that was driven is a frame.
-// Thread-bound; bounded state, no allocation.
+// miss drops). From a time that went back nothing is counted. With a trigger there is nothing to decide: each
+// pulse that was driven is a frame. Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <optional>
@@ -91,6 +91,7 @@ class FrameMatcher {
   struct Previous {  // buffer
     std::uint64_t sequence = 0;
     Instant timestamp;
+    bool in_order = true;  // its time was later than that of the buffer before it
   };
 
   int frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,

@@ -135,6 +135,14 @@ TEST_CASE("number, time and strobe: two that agree say how many frames were lost
   }
 }
 
+TEST_CASE("a frame whose time is in the past makes no gap before the one after it", "[capture]") {
+  Stream stream({.frame_duration = kAgreed});
+  for (int i = 0; i < 12; ++i) stream.step();
+  CHECK(stream.step(1, -29).lost_before == 0);
+  CHECK(stream.step(1, 31).lost_before == 0);
+  CHECK(stream.step(1, 3).lost_before == 2);
+}
+
 TEST_CASE("a camera that becomes slower is known after half of the intervals that count", "[capture]") {
   Stream stream({.frame_duration = kAgreed});
   for (int i = 0; i < 20; ++i) stream.step();
