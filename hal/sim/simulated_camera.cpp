@@ -216,8 +216,9 @@ Instant SimulatedCamera::ready_after(const Frame& frame) const {
 // pulse: the exposure of a frame whose trigger pulse set it.
 void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::optional<Duration> pulse) {
   const bool delivered = !is_lost(sequence) && !requests_.empty();
+  if (!requests_.empty()) write_controls(sequence, requests_.front().asked);
   Request request;
-  if (delivered) request = requests_.pop(), write_controls(sequence, request.asked);
+  if (delivered) request = requests_.pop();
   Frame frame;
   frame.sequence = sequence;
   frame.exposure = exposure_.latch(sequence), frame.gain = gain_.latch(sequence);

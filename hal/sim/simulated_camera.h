@@ -1,9 +1,9 @@
 // A camera that renders a scene (simulated_sensor.h) as a sensor with delayed controls would deliver it. The
 // sensor runs freely: frame n starts n frame durations after the start, whether or not a buffer is queued.
 // The request at the head of the queue is latched then, its controls act some frames later, and its buffer is
-// that frame's. A frame without a request is lost, which the sequence number shows. Timestamps mark the start
-// of exposure. wait() computes the pixels, on the waiting thread and a pool, so that no thread runs in
-// between.
+// that frame's; of a frame that is lost the controls are written all the same, and the request stays due. A
+// frame without a request is lost, which the sequence number shows. Timestamps mark the start of exposure.
+// wait() computes the pixels, on the waiting thread and a pool, so that no thread runs in between.
 //
 // With a trigger the sensor does not run freely: each pulse on that wire is a frame, and no pulse is none. In
 // external trigger mode the pulse's width is the exposure, whatever is requested. A pulse that begins before

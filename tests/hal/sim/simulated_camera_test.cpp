@@ -156,6 +156,17 @@ TEST_CASE("a dropped frame leaves a gap, keeps its request, and was exposed all 
   CHECK_FALSE(stream.bench.true_exposure(after.sequence + 100));
 }
 
+TEST_CASE("a request that is due is written while frames are lost, and acts after its delay") {
+  Stream stream(fmt::format("{}&delay=2,1", kTiny));
+  for (int i = 0; i < 5; ++i) stream.next();
+  stream.bench.drop_next(1);
+  stream.next();  // exposed before the order came
+  const CapturedBuffer after = stream.next(), following = stream.next();
+  CHECK(following.sequence == after.sequence + 1);
+  CHECK(stream.truth(after).analogue_gain == Stream::gain(after.cookie));
+  CHECK(stream.truth(following).exposure == Stream::exposure(after.cookie));
+}
+
 TEST_CASE("frames are lost while nobody has asked for one") {
   VirtualClock clock;
   auto camera = virtual_camera(kTiny, clock);
