@@ -1,6 +1,7 @@
 #include "hal/replay/replayed_camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <utility>
@@ -13,9 +14,33 @@
 namespace hdrcam {
 namespace {
 
-Instant begin_of(const FrameFacts& facts) {
-  return facts.has_exposure() ? facts.timestamp + from_seconds(-(facts.exposure_s + facts.readout_s) / 2)
-                              : facts.timestamp;
+Instant stamp_of(const FrameFacts& facts, TimestampMark mark) {
+  if (!facts.has_exposure()) return facts.timestamp;
+  const double half_s = (facts.exposure_s + facts.readout_s) / 2;
+  return facts.timestamp + from_seconds(mark == TimestampMark::ExposureEnd ? half_s : -half_s);
+}
+
+// Of exposures that differ either the begins or the ends are evenly spaced: what counts frames by their time
+// (capture/) needs those.
+TimestampMark mark_of(const std::vector<FrameFacts>& frames) {
+  constexpr double kClearly = 2;
+  if (frames.size() < 2 || frames.back().sequence <= frames.front().sequence)
+    return TimestampMark::ExposureBegin;
+  const auto numbers = [](const FrameFacts& from, const FrameFacts& to) {
+    return static_cast<double>(to.sequence) - static_cast<double>(from.sequence);
+  };
+  const double frame_s =
+      to_seconds(frames.back().timestamp - frames.front().timestamp) / numbers(frames.front(), frames.back());
+  const auto unevenness = [&](TimestampMark mark) {
+    double sum_s = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i)
+      sum_s += std::abs(to_seconds(stamp_of(frames[i], mark) - stamp_of(frames[i - 1], mark)) -
+                        frame_s * numbers(frames[i - 1], frames[i]));
+    return sum_s;
+  };
+  return kClearly * unevenness(TimestampMark::ExposureEnd) < unevenness(TimestampMark::ExposureBegin)
+             ? TimestampMark::ExposureEnd
+             : TimestampMark::ExposureBegin;
 }
 
 // What a camera's capabilities state and a recording states with its frames, of the first ones.
@@ -56,6 +81,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.usual_frame_duration = mode_.frame_duration;
     capabilities_.reports_exposure = true;
     capabilities_.cycle = recorded_cycle(first);
+    capabilities_.timestamp_mark = mark_of(first);
     if (!first.empty()) capabilities_.black_level = first.front().black_level;
   }
 
@@ -174,7 +200,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     first_cookie_ = (first_cookie_ + 1) % cookies_.size();
     --queued_, ++delivered_;
     buffer.sequence = facts.sequence;
-    buffer.timestamp = begin_of(facts);
+    buffer.timestamp = stamp_of(facts, capabilities_.timestamp_mark);
     buffer.damaged = (facts.flags & kFrameDamaged) != 0;
     if (facts.exposure_source != ExposureSource::Unknown && facts.has_exposure()) {
       buffer.exposure = from_seconds(facts.exposure_s);

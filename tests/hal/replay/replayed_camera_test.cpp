@@ -83,6 +83,31 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
   }
 }
 
+TEST_CASE("a replay stamps the ends of exposures where those are a frame apart") {
+  const CameraFacts facts = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+  const std::string path = sample::scratch_folder("replay_ends") + "/r.mkv";
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 8; ++i) {
+    frames.push_back(frame_of(facts, i));
+    FrameFacts& of = frames.back().facts;
+    of.timestamp = Instant::from_seconds(5 + 0.01 * i - (of.exposure_s + of.readout_s) / 2);
+  }
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  auto camera =
+      value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+  CHECK(camera->capabilities().timestamp_mark == TimestampMark::ExposureEnd);
+  value_of(camera->configure(camera->capabilities().modes.front(), 2));
+  require_done(camera->start());
+  for (int i = 0; i < 8; ++i) {
+    require_done(camera->queue({0, milliseconds(1), 1}));
+    const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(2)));
+    CHECK(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
+  }
+  const std::string begins = write_recording("replay_begins", PixelLayout::Rgb, 8);
+  camera = value_of(open_replayed_camera(posix_storage(), begins, ReplayPace::AsFastAsAsked, posix_clock()));
+  CHECK(camera->capabilities().timestamp_mark == TimestampMark::ExposureBegin);
+}
+
 TEST_CASE("a replay that is configured with fewer buffers completes its requests in order from the first") {
   const std::string path = write_recording("replay_again", PixelLayout::Rgb, 8);
   auto camera =
