@@ -63,13 +63,16 @@ FrameMatcherOptions CaptureStage::matching() const {
   matching.frame_duration = mode_.frame_duration;
   matching.strobe = strobe_ == nullptr ? StrobePulse::Absent : options_.strobe;
   matching.strobe_after_timestamp = options_.strobe_after_timestamp;
-  matching.timestamp_mark = options_.timestamp_mark.value_or(offers.timestamp_mark);
+  matching.timestamp_mark = offers.timestamp_mark;
+  if (options_.timestamp_mark && offers.sets_exposure) matching.timestamp_mark = *options_.timestamp_mark;
   if (const TriggerOptions* trigger = trigger_.options(); trigger != nullptr) {
     matching.trigger = trigger->mode;
     matching.frame_duration = trigger->interval;
   }
   if (matching.trigger == TriggerMode::PulseWidth) {
     // the exposure is the pulse's, whatever was requested
+  } else if (!offers.sets_exposure) {
+    // a recording plays the camera: no request acted on its frames
   } else if (options_.delays) {
     matching.delays = options_.delays;
   } else if (offers.exposure_per_request) {

@@ -28,13 +28,13 @@ Result<void> refuse_given(const SettingsFlags& flags, const std::vector<std::str
   return Error{ErrorCode::Invalid, fmt::format("{}; leave out {}", why, fmt::join(ignored, ", "))};
 }
 
-// A recording has its size, its rate and its exposures.
+// A recording has its size, its rate, its exposures and their times.
 Result<void> check_recorded_camera(const SettingsFlags& flags, const Settings::Camera& camera) {
   if (!is_replayed(camera.id)) return {};
   return refuse_given(
       flags,
-      {"camera.format", "camera.width", "camera.height", "camera.framerate", "schedule.shutter",
-       "schedule.gain", "schedule.adapt", "schedule.mains"},
+      {"camera.format", "camera.width", "camera.height", "camera.framerate", "camera.control_delay",
+       "camera.timestamp", "schedule.shutter", "schedule.gain", "schedule.adapt", "schedule.mains"},
       fmt::format("the pictures and exposures of '{}' are recorded and cannot be set", camera.id));
 }
 
@@ -44,9 +44,9 @@ Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& came
              "the pace is that of a recording in place of the camera; give --camera replay:FILE"));
   return refuse(
       flags, !is_read_as_fast_as_asked(camera),
-      {"camera.buffers", "camera.control_delay", "camera.timestamp", "camera.yuv_range", "sync.line",
-       "sync.strobe", "sync.strobe_delay", "sync.active_low", "sync.trigger_width", "sync.trigger_gap",
-       "sync.trigger_tolerance", "sync.trigger_active_low", "record.memory_mib"},
+      {"camera.buffers", "camera.yuv_range", "sync.line", "sync.strobe", "sync.strobe_delay",
+       "sync.active_low", "sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance",
+       "sync.trigger_active_low", "record.memory_mib"},
       fmt::format("'{}' is read frame by frame as from a disk; give --pace realtime to play it as a camera",
                   camera.id));
 }

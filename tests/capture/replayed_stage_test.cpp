@@ -48,10 +48,9 @@ std::string write_recording(const std::string& name, ExposureSource source) {
   return path;
 }
 
-std::vector<CapturedFrame> captured_from(const std::string& path) {
+std::vector<CapturedFrame> captured_from(const std::string& path, CaptureOptions options = {}) {
   auto camera =
       value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
-  CaptureOptions options;
   options.mode = camera->capabilities().modes.front();
   auto stage = value_of(CaptureStage::open(*camera, nullptr, {}, Mains::Off, options));
   require_done(stage->start());
@@ -74,6 +73,18 @@ TEST_CASE(
     proved += frame.proof.verdict == Verdict::Proved ? 1 : 0;
   }
   CHECK(proved >= kFrames - 4);
+}
+
+TEST_CASE("settings of the camera's clock and delays move and doubt nothing of a recording that plays it") {
+  CaptureOptions options;
+  options.timestamp_mark = TimestampMark::ExposureEnd, options.delays = ControlDelays{1, 1};
+  const auto frames = captured_from(write_recording("stage_settings", ExposureSource::Reported), options);
+  const double framerate_hz = sample::camera(PixelLayout::BayerRggb, kBits, 64, 48).framerate_hz;
+  for (int i = 0; i < kFrames; ++i) {
+    const CapturedFrame& frame = frames[static_cast<std::size_t>(i)];
+    CHECK(frame.raw.facts.timestamp.seconds() == Approx(1 + i / framerate_hz).margin(1e-8));
+    CHECK(frame.proof.trusted());
+  }
 }
 
 TEST_CASE("exposures that came from the pictures stay estimated through the capture stage") {

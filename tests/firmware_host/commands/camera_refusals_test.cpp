@@ -37,6 +37,8 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   for (const auto& [flag, value] : {std::pair("--framerate", "5"),
                                     {"--gain", "4"},
                                     {"--format", "YUYV"},
+                                    {"--control-delay", "2,1"},
+                                    {"--timestamp", "end"},
                                     {"--adapt", "light"},
                                     {"--mains", "50"}})
     for (const char* pace : {"fit", "realtime"})
@@ -44,8 +46,6 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
                     std::string("are recorded and cannot be set; leave out ") + flag);
   check_refused({"live", "--camera", "replay:" + walk, "--adapt", "motion"}, ErrorCode::Invalid, "--adapt");
   for (const auto& [flag, value] : {std::pair("--buffers", "6"),
-                                    {"--control-delay", "2,1"},
-                                    {"--timestamp", "begin"},
                                     {"--yuv-range", "full"},
                                     {"--sync-line", "gpiochip0:17"},
                                     {"--strobe", "exposure"},
