@@ -71,6 +71,11 @@ Duration half_period(Mains mains) {
   return Duration(0);
 }
 
+bool lasts(Duration exposure, Duration half_period) {
+  constexpr double kRounding = 0.995;
+  return to_seconds(exposure) >= kRounding * to_seconds(half_period);
+}
+
 // Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where a step of the control is not a line
 // but a coarse unit (UVC counts in 100 us), 48 steps would be far too much.
 Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
@@ -92,7 +97,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
     Slot slot{asked, asked, false};
     if (half > Duration(0)) {
       const Duration longest = std::min(frame_duration - margin, camera.exposure_max);
-      slot.flickers = asked.time < half || longest < half;
+      slot.flickers = !lasts(asked.time, half) || longest < half;
       if (!slot.flickers) slot.exposure.time = nearest_multiple(asked.time, half, longest);
     }
     slot.exposure = TRY(quantised(slot.exposure, camera));

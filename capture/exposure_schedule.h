@@ -16,6 +16,8 @@ enum class Mains { Off, Hz50, Hz60 };
 
 // Half a mains period; zero for Off.
 Duration half_period(Mains mains);
+// Whether an exposure lasts at least so long, but for its rounding to the sensor's lines.
+bool lasts(Duration exposure, Duration half_period);
 
 // Invalid for a cycle of several exposures that are all the same: the proof cannot tell them apart, and they
 // give no HDR.

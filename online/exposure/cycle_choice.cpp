@@ -99,7 +99,7 @@ std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, dou
   constexpr double kSlack = 1.001;
   Exposure exposure{from_seconds(time_s), gain};
   if (const Duration half = half_period(limits_.mains); half > Duration(0)) {
-    const bool steady = limits_.cycle[slot].time >= half;
+    const bool steady = lasts(limits_.cycle[slot].time, half);
     const auto wanted = std::max<Duration::rep>(1, (exposure.time + half / 2) / half);
     if (steady) exposure.time = std::min(wanted, std::max<Duration::rep>(1, limits_.longest / half)) * half;
     if (!steady && exposure.time >= half) return std::nullopt;

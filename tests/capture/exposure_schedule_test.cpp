@@ -100,6 +100,13 @@ TEST_CASE("under mains light exposures become whole half periods, and short ones
   REQUIRE(sixty.ok());
   CHECK(sixty.value().slot(1).exposure.time == 8330us);
   CHECK(sixty.value().slot(3).exposure.time == 25000us);
+
+  // Half a period as the sensor's lines make it.
+  constexpr Exposure kRounded[] = {{1ms, 1}, {8330us, 1}};
+  const auto again = ExposureSchedule::create(kRounded, sensor(), k30Hz, Mains::Hz60);
+  REQUIRE(again.ok());
+  CHECK(again.value().slot(1).exposure.time == 8330us);
+  CHECK_FALSE(again.value().slot(1).flickers);
 }
 
 }  // namespace

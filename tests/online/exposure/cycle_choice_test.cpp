@@ -177,6 +177,14 @@ TEST_CASE("lamps do not begin to flicker: a time of whole half periods stays one
   CHECK(loop.cycle()[0].time < 10ms);
   CHECK(loop.cycle()[1].time % 10ms == 0ns);
   CHECK(loop.cycle()[2].time % 10ms == 0ns);
+
+  // 1/120 s on a sensor with lines of 10 us
+  ExposureLimits rounded = limits_of({{1ms, 1}, {8330us, 1}, {25ms, 1}});
+  rounded.mains = Mains::Hz60;
+  Loop at_60(rounded, {.speed_px = 10});
+  at_60.run(240);
+  CHECK(at_60.request());
+  CHECK(lasts(at_60.cycle()[1].time, half_period(Mains::Hz60)));
 }
 
 TEST_CASE("a scene that stays as it is changes the cycle a few times at most, then never again") {
