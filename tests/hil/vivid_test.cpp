@@ -200,6 +200,7 @@ TEST_CASE("colours are the same by whatever matrix and range vivid makes YUV of 
                              V4L2_QUANTIZATION_LIM_RANGE};
   const auto camera = vivid();
   const DeviceNode node = value_of(DeviceNode::open(video_node("vivid-000-vid-cap")));
+  set_by_name(node, "Brightness", 128);  // the usual one: another acts on codes of luma, whatever their range
   const Image<std::uint16_t> rgb = picture_of(*camera, PixelFormat::Rgb24);
   for (const PixelFormat format : {PixelFormat::Yuyv, PixelFormat::Nv12})
     for (const int encoding : kEncodings)
