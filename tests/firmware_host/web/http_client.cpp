@@ -47,6 +47,7 @@ bool HttpClient::fill() {
   if (!readable(socket_, kPatience_ms)) return false;
   char part[65536];
   const ssize_t got = recv(socket_, part, sizeof part, 0);
+  ended_ = got <= 0;
   if (got > 0) received_.append(part, static_cast<std::size_t>(got));
   return got > 0;
 }
@@ -84,6 +85,10 @@ HttpReply HttpClient::get(const std::string& path) {
   return receive();
 }
 
+bool HttpClient::hears_within(std::chrono::milliseconds time) const {
+  return readable(socket_, static_cast<int>(time.count()));
+}
+
 bool HttpClient::read_byte() {
   char byte = 0;
   return readable(socket_, kPatience_ms) && recv(socket_, &byte, 1, 0) == 1;
@@ -92,6 +97,7 @@ bool HttpClient::read_byte() {
 std::size_t HttpClient::drained() {
   while (fill()) {
   }
+  if (!ended_) throw std::runtime_error("the server keeps the connection and stays silent");
   return received_.size();
 }
 

@@ -2,6 +2,7 @@
 // read as slowly as it likes.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -27,10 +28,12 @@ class HttpClient {
   HttpReply receive();
   // GET with the Host that a browser sends.
   HttpReply get(const std::string& path);
+  // Whether anything of an answer, or the end of the connection, comes within this time.
+  bool hears_within(std::chrono::milliseconds time) const;
 
   // Up to one byte; false at the end of the connection. Waits.
   bool read_byte();
-  // Everything up to the end of the connection, in bytes.
+  // Everything up to the end of the connection, in bytes; throws where the server does not end it.
   std::size_t drained();
   // Whether the server has ended the connection; what it sent before is lost.
   bool closed();
@@ -39,6 +42,7 @@ class HttpClient {
   bool fill();
 
   int socket_ = -1;
+  bool ended_ = false;  // by the server
   std::string received_;
 };
 

@@ -118,10 +118,11 @@ TEST_CASE("a body that is too long, or of unknown length, is refused before it i
 }
 
 TEST_CASE("a header that never ends is refused at its limit") {
-  const auto server = open_server({.header_bytes = 4096});
+  const auto server = open_server({.header_bytes = 4096, .patience = std::chrono::minutes(10)});
   HttpClient client = client_of(*server);
   client.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n");
   for (int i = 0; i < 1000; ++i) client.send("X-Filler: " + std::string(100, 'x') + "\r\n");
+  CHECK(client.hears_within(std::chrono::seconds(30)));
   const HttpReply reply = client.receive();
   CHECK((reply.status == 0 || reply.status >= 400));
   CHECK(client_of(*server).get("/hello").status == 200);
@@ -151,6 +152,7 @@ TEST_CASE("a client above the limit of connections waits until one leaves") {
   CHECK(second.get("/hello").status == 200);
   HttpClient third = client_of(*server);
   third.send(get_request("/hello"));
+  CHECK_FALSE(third.hears_within(std::chrono::milliseconds(200)));
   first.reset();
   CHECK(third.receive().status == 200);
 }
