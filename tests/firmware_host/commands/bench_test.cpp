@@ -205,12 +205,12 @@ TEST_CASE("hdrcam bench pareto that is told to stop keeps the points that are me
 TEST_CASE("hdrcam bench pareto names what it cannot measure") {
   synthetic_clip::TemporaryFolder work;
   const Ran unknown = ran({"bench", "pareto", work.path(), "-o", work / "cost", "--point", "swift"});
-  CHECK(unknown.exit_code != 0);
+  CHECK(unknown.exit_code == kExitUsage);
   CHECK(unknown.output.find("there is no point 'swift'; there are realtime, fast, balanced") !=
         std::string::npos);
   const Ran nothing = ran({"bench", "pareto", work / "none", "-o", work / "cost", "--point", "fast"});
-  CHECK(nothing.exit_code != 0);
-  CHECK(nothing.output.find("none") != std::string::npos);
+  CHECK(nothing.exit_code == exit_code_of(ErrorCode::NotFound));
+  CHECK(nothing.output.find("none/clip.json' does not exist") != std::string::npos);
 }
 
 TEST_CASE("hdrcam bench replaces no earlier measurement without --force, and no recording at all") {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "firmware_host/exit_code.h"
 #include "hal/storage.h"
 #include "tests/render/scores/synthetic_clip.h"
 
@@ -52,7 +53,7 @@ TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is not
   synthetic_clip::TemporaryFolder clip;
   synthetic_clip::write_clip(clip.path());
   const Ran no_frames = run_compare(fmt::format("{0} {0}/gt", clip.path()));
-  REQUIRE(no_frames.exit_code != 0);
+  REQUIRE(no_frames.exit_code == exit_code_of(ErrorCode::NotFound));
   REQUIRE(no_frames.output.find("no HDR frames") != std::string::npos);
 
   REQUIRE(posix_storage().make_directories(clip / "film").ok());
@@ -60,13 +61,13 @@ TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is not
     synthetic_clip::write_estimate(clip / fmt::format("film/{}.exr", i), 0,
                                    synthetic_clip::Geometry::Without);
   const Ran apart = run_compare(fmt::format("{0} {0}/film", clip.path()));
-  REQUIRE(apart.exit_code != 0);
+  REQUIRE(apart.exit_code == exit_code_of(ErrorCode::NotFound));
   REQUIRE(apart.output.find("of numbers 0 to 7") != std::string::npos);
   REQUIRE(apart.output.find("100 to 103") != std::string::npos);
 
   std::filesystem::remove_all(clip / "gt");
   const Ran no_truth = run_compare(fmt::format("{0} {0}", clip.path()));
-  REQUIRE(no_truth.exit_code != 0);
+  REQUIRE(no_truth.exit_code == exit_code_of(ErrorCode::NotFound));
   REQUIRE(no_truth.output.find("no ground truth") != std::string::npos);
 }
 

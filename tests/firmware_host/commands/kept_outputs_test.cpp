@@ -4,8 +4,10 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "firmware_host/exit_code.h"
 #include "firmware_host/web/http_server.h"
 #include "hal/recording/image_sequence.h"
 #include "render/exr.h"
@@ -165,18 +167,22 @@ TEST_CASE("a run that is refused leaves no folder of its outputs") {
   }
   // what only the camera or the recording tells
   const std::string camera = "sim:walk?size=64x48", deep = out + "/of/today/%06d.exr";
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"live", "--camera", "sim:nowhere", "--frames", "2", "-o", deep},
-           {"live", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", deep},
-           {"live", "--camera", camera, "--memory", "64", "--frames", "2", "-o", deep},
-           {"record", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", out + "/walk.mkv"},
-           {"replay", kDemo, "--memory", "64", "-o", deep}}) {
+  for (const auto& [words, error] : std::vector<std::pair<std::vector<std::string>, ErrorCode>>{
+           {{"live", "--camera", "sim:nowhere", "--frames", "2", "-o", deep}, ErrorCode::NotFound},
+           {{"live", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", deep},
+            ErrorCode::BadExposure},
+           {{"live", "--camera", camera, "--memory", "64", "--frames", "2", "-o", deep},
+            ErrorCode::Unsupported},
+           {{"record", "--camera", camera, "--shutter", "900s", "--frames", "2", "-o", out + "/walk.mkv"},
+            ErrorCode::BadExposure},
+           {{"replay", kDemo, "--memory", "64", "-o", deep}, ErrorCode::Unsupported}}) {
     INFO(words.front() << ' ' << words[3]);
-    CHECK(ran_here(words).exit_code != 0);
+    CHECK(ran_here(words).exit_code == exit_code_of(error));
     CHECK_FALSE(fs::exists(out));
   }
   fs::create_directories(out + "/of");  // which is not the run's
-  CHECK(ran_here({"replay", kDemo, "--memory", "64", "-o", deep}).exit_code != 0);
+  CHECK(ran_here({"replay", kDemo, "--memory", "64", "-o", deep}).exit_code ==
+        exit_code_of(ErrorCode::Unsupported));
   CHECK(fs::is_empty(out + "/of"));
   fs::remove_all(out);
   for (const char* verb : {"replay", "render"})

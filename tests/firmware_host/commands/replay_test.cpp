@@ -239,7 +239,7 @@ TEST_CASE(
 
   const RanHere refused =
       ran_here({"replay", kDemo, "-o", folder + "/x/%06d.exr", "--white-balance", "camera"});
-  CHECK(refused.exit_code != 0);
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::Unsupported));
   CHECK(refused.err.find("states no white balance") != std::string::npos);
 }
 

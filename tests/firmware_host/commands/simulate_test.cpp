@@ -187,7 +187,7 @@ TEST_CASE("simulate refuses in a sentence what it cannot do") {
   CHECK(equal.exit_code == kExitUsage);
   CHECK(equal.output.find("all 3 exposures of the cycle are the same, 4 ms") != std::string::npos);
   CHECK(run_simulate("--list -o /tmp/x.mkv").exit_code == kExitUsage);
-  CHECK(run_simulate("nowhere --explain").exit_code != 0);
+  CHECK(run_simulate("nowhere --explain").exit_code == exit_code_of(ErrorCode::NotFound));
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
 }
 
