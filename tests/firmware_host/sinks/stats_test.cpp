@@ -3,12 +3,40 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "tests/firmware_host/sinks/example_run.h"
+#include "tests/places.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+
+namespace {
+
+// In the table of docs/stats.md whose first column has this head: what stands in that column in backticks.
+std::set<std::string> documented_keys(const std::string& head) {
+  std::istringstream page(test::text_of(HDRCAM_SOURCE_DIR "/docs/stats.md"));
+  std::set<std::string> keys;
+  bool in_table = false;
+  for (std::string line; std::getline(page, line);) {
+    in_table = line.starts_with("| " + head + " |") || (in_table && line.starts_with('|'));
+    if (!in_table) continue;
+    std::istringstream column(line.substr(0, line.find('|', 1)));
+    std::string between, key;
+    while (std::getline(column, between, '`') && std::getline(column, key, '`')) keys.insert(key);
+  }
+  return keys;
+}
+
+std::set<std::string> keys_of(const nlohmann::json& object) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.insert(key);
+  return keys;
+}
+
+}  // namespace
 
 TEST_CASE("the statistics of a run without frames are JSON too") {
   CHECK(nlohmann::json::parse(to_json(RunRecord{}))["frames"] == 0);
@@ -25,24 +53,58 @@ TEST_CASE("the statistics say what each sink cost and what it left out") {
 }
 
 TEST_CASE("the statistics are JSON with the fields that scripts rely on") {
-  const auto json = nlohmann::json::parse(to_json(test::example_run(48)));
+  RunRecord record = test::example_run(48);
+  record.captured = 51, record.dropped = 3;
+  const auto json = nlohmann::json::parse(to_json(record));
   CHECK(json["frames"] == 48);
-  CHECK(json["captured"] == json["emitted"].get<int>() + json["dropped"].get<int>());
-  CHECK(json["ms_per_frame"].get<double>() > 0);
-  for (const char* key : {"mean_ms", "p95_ms", "max_ms"}) CHECK(json["stages"]["state"][key].is_number());
-  CHECK(json["stages"]["total"]["frames"] == 48);
+  CHECK(json["captured"] == 51);
+  CHECK(json["emitted"] == 48);
+  CHECK(json["dropped"] == 3);
+  CHECK(json["ms_per_frame"].get<double>() == Approx(mean_ms_per_frame(record)));
+  const auto summaries = stage_summaries(record);
+  CHECK(json["stages"].size() == summaries.size());
+  for (const StageSummary& stage : summaries) {
+    INFO(stage.name);
+    const auto& stated = json["stages"][stage.name];
+    CHECK(stated["frames"] == stage.frames);
+    CHECK(stated["mean_ms"].get<double>() == Approx(stage.mean_ms));
+    CHECK(stated["p95_ms"].get<double>() == Approx(stage.p95_ms));
+    CHECK(stated["max_ms"].get<double>() == Approx(stage.max_ms));
+  }
   REQUIRE(json["per_frame"].size() == 48);
   const auto& frame = json["per_frame"][7];
+  const FrameRecord& seventh = record.frames[7];
   CHECK(frame["sequence"] == 7);
-  CHECK(frame["stages_ms"]["field"].is_number());
-  CHECK(frame["losses"]["photometric"].is_number());
-  CHECK(frame["provenance"]["look_ahead"].is_number());
+  CHECK(frame["total_ms"].get<double>() == Approx(seventh.total_ms));
+  REQUIRE(seventh.stages_ms[2].name == "field");
+  CHECK(frame["stages_ms"]["field"].get<double>() == Approx(seventh.stages_ms[2].value));
+  REQUIRE(seventh.losses[0].name == "photometric");
+  CHECK(frame["losses"]["photometric"].get<double>() == Approx(seventh.losses[0].value));
+  CHECK(frame["provenance"]["look_ahead"].get<double>() ==
+        Approx(seventh.provenance_share[static_cast<std::size_t>(Provenance::LookAhead)]));
+  CHECK(json["provenance"]["carried"].get<double>() ==
+        Approx(mean_provenance(record)[static_cast<std::size_t>(Provenance::Carried)]));
+  CHECK(json["scores"]["PSNR-mu"]["value"] == 38.1);
   CHECK(json["scores"]["PSNR-mu"]["unit"] == "dB");
-  CHECK(json["response"].size() == 3);
-  CHECK(json["response"][0].size() == 256);
+  REQUIRE(json["response"].size() == 3);
+  REQUIRE(json["response"][0].size() == 256);
+  CHECK(json["response"][1][100].get<float>() == (*record.response)[1][100]);
   REQUIRE(json["exposures"].size() == 3);
   CHECK(json["exposures"][1]["stated"] == 1);
   CHECK(json["exposures"][1]["off_stops"].get<float>() == -0.06f);
+}
+
+TEST_CASE("the statistics have the keys that docs/stats.md lists, and no others") {
+  RunRecord record = test::example_run(6);
+  record.rungs = {{.name = "as asked", .frames = 6}};
+  record.counters = {{"dropped.shed", 2}};
+  FrameRecord& frame = record.frames[5];  // which has a note
+  frame.pose = FramePose{};
+  frame.verdict = Verdict::Proved;
+  frame.latency_ms = 40;
+  const auto json = nlohmann::json::parse(to_json(record));
+  CHECK(keys_of(json) == documented_keys("key"));
+  CHECK(keys_of(json["per_frame"][5]) == documented_keys("key of a frame"));
 }
 
 TEST_CASE("the statistics state the pose of each frame that has one, its source and its unit") {
