@@ -138,7 +138,7 @@ TEST_CASE("no wrong label is ever proved over 10,000 frames with every fault at 
   CHECK(tally.proved > 6000);
   CHECK(tally.counters.damaged > 50);
   CHECK(tally.counters.lost_by_camera > 500);
-  CHECK(tally.trusted_wrong < 100);
+  CHECK(tally.trusted_wrong < 20);
 }
 
 struct Fault {
@@ -179,7 +179,7 @@ TEST_CASE("no fault makes a wrong label proved", "[capture]") {
       CHECK(tally.proved_wrong == 0);
       CHECK(tally.proved >= fault.least_proved);
       if (fault.faults.never_applied) CHECK(tally.proved == 0);
-      CHECK(tally.trusted_wrong_late <= 30);
+      CHECK(tally.trusted_wrong_late <= 6);
     }
   }
 }
