@@ -1,6 +1,7 @@
 // Every way in which a file can be damaged: cut, flipped, not written to the end, never one of ours.
 #include <cerrno>
 #include <filesystem>
+#include <utility>
 
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/cluster_scan.h"
@@ -421,6 +422,33 @@ TEST_CASE("a disk that refuses to sync or to read is reported") {
     else
       REQUIRE(replayed.frames.size() == made.frames.size());
   }
+}
+
+TEST_CASE("a recording is on the disk once per second that it lasts, and when it is finished") {
+  const std::string path = sample::scratch_folder("durable") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 16, 16);
+  const auto frames = sample::frames(camera, 100, 1);  // at 29.97 Hz
+  FaultyStorage disk(posix_storage(), {});
+  auto writer = create_recording(disk, path, camera);
+  REQUIRE(writer.ok());
+  REQUIRE(writer.value()->append(frames[0]).ok());
+  const std::uint64_t for_the_name = disk.syncs();
+  std::uint64_t synced = for_the_name;
+  std::vector<std::size_t> synced_at;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    REQUIRE(writer.value()->append(frames[i]).ok());
+    if (std::exchange(synced, disk.syncs()) != disk.syncs()) synced_at.push_back(i);
+  }
+  CHECK(synced_at == std::vector<std::size_t>{30, 60, 90});
+  REQUIRE(writer.value()->finish().ok());
+  CHECK(disk.syncs() > synced);
+
+  FaultyStorage failing(posix_storage(), {.failing_sync = for_the_name + 1});  // that of the 60th frame
+  auto ended = create_recording(failing, path + "2", camera);
+  REQUIRE(ended.ok());
+  for (std::size_t i = 0; i < 60; ++i) REQUIRE(ended.value()->append(frames[i]).ok());
+  CHECK(sample::error_of(ended.value()->append(frames[60])).code == ErrorCode::Io);
+  CHECK(sample::error_of(ended.value()->append(frames[61])).code == ErrorCode::Io);
 }
 
 TEST_CASE("a file that is not a recording is said to be none") {
