@@ -1,13 +1,13 @@
 // Deliberate faults that still fit the tree: a patch that no longer applies proves nothing, and nobody sees
 // it until all of them run for hours.
 #include <filesystem>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/places.h"
 
+#include "tests/lint/test_sources.h"
 #include "tests/support/files.h"
 
 using namespace hdrcam;
@@ -48,12 +48,6 @@ Mutant parsed(const std::string& patch) {
   return mutant;
 }
 
-// C++ text with the string literals joined that the compiler joins.
-std::string with_joined_literals(const std::string& text) {
-  static const std::regex kSeam("\"[ \t]*\n[ \t]*\"");
-  return std::regex_replace(text, kSeam, "");
-}
-
 // What makes a mutant useless, a sentence each. source: of the file that it changes; tests: of all tests.
 std::vector<std::string> faults_of(const Mutant& mutant, const std::string& source,
                                    const std::string& tests) {
@@ -61,8 +55,7 @@ std::vector<std::string> faults_of(const Mutant& mutant, const std::string& sour
   if (mutant.fault.empty()) found.emplace_back("does not say what is wrong ('Fault: ..')");
   if (mutant.tests.empty()) found.emplace_back("names no test ('Test: ..')");
   for (const std::string& name : mutant.tests)
-    if (tests.find('"' + name + '"') == std::string::npos)
-      found.push_back("names the test '" + name + "', which there is not");
+    if (!test::has_test(tests, name)) found.push_back("names the test '" + name + "', which there is not");
   if (mutant.before.empty()) found.emplace_back("changes nothing");
   for (const std::string& before : mutant.before)
     if (("\n" + source).find(before) == std::string::npos)
@@ -73,9 +66,7 @@ std::vector<std::string> faults_of(const Mutant& mutant, const std::string& sour
 }  // namespace
 
 TEST_CASE("every mutant still applies, names tests that there are, and stands in the table") {
-  std::string tests;
-  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "tests"))
-    if (entry.path().extension() == ".cpp") tests += with_joined_literals(text_of(entry.path()));
+  const std::string tests = test::sources_of_tests();
   const std::string table = text_of(kRoot / "tests/mutants/README.md");
   const std::size_t head = table.find("\n|---|");
   REQUIRE(head != std::string::npos);
@@ -98,7 +89,7 @@ TEST_CASE("the check of mutants finds what does not apply, and tests that there 
       "Fault: One is two.\nTest: one is one\n\n--- a/one.cpp\n+++ b/one.cpp\n@@ -1,2 +1,2 @@\n"
       " // One\n-int one = 1;\n+int one = 2;\n");
   CHECK(mutant.file == "one.cpp");
-  const std::string tests = with_joined_literals("TEST_CASE(\"one \"\n    \"is one\") {");
+  const std::string tests = test::with_joined_literals("TEST_CASE(\"one \"\n    \"is one\") {");
   CHECK(faults_of(mutant, "// One\nint one = 1;\n", tests).empty());
   CHECK(faults_of(mutant, "// One\n\nint one = 1;\n", tests).size() == 1);
   CHECK(faults_of(mutant, "// Not One\nint one = 1;\n", tests).size() == 1);
