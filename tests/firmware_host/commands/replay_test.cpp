@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
@@ -22,6 +23,7 @@
 #include "tests/support/ran_here.h"
 
 #include "tests/support/files.h"
+#include "tests/support/ran.h"
 
 using namespace hdrcam;
 using test::ran_here;
@@ -122,6 +124,26 @@ TEST_CASE("the command in the report is the whole command, as a shell takes it")
   CHECK(command.find("/replay it'\\''s/clip.mkv'") != std::string::npos);
   for (const char* word : {"--preset=fast", "--emit=state", "--frames 7", "--strict", "--stats='"})
     CHECK(command.find(word) != std::string::npos);
+}
+
+TEST_CASE("the token of the live view stands in no file of a run, and in no word that it prints") {
+  const std::string folder = sample::scratch_folder("replay_token"), token = "5ec2e70fthe11vev1ew";
+  const test::Ran outcome = test::ran(std::vector<std::string>{
+      "replay", write_clip(folder, 7), "--preset", "fast", "--emit", "state", "--http", "127.0.0.1:0",
+      "--http-token", token, "--stats", folder + "/stats.json", "--report", folder + "/report.html",
+      "--trace", folder + "/trace.json", "-o", folder + "/out/%06d.exr"});
+  INFO(outcome.output);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.output.find("live view: http://127.0.0.1:") != std::string::npos);
+  CHECK(outcome.output.find(token) == std::string::npos);
+  std::set<std::string> kinds;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!file.is_regular_file()) continue;
+    INFO(file.path());
+    CHECK(test::text_of(file.path()).find(token) == std::string::npos);
+    kinds.insert(file.path().extension());
+  }
+  CHECK(kinds == std::set<std::string>{".csv", ".exr", ".html", ".json", ".mkv"});
 }
 
 TEST_CASE("a run that needs more memory than it may take is refused in one sentence before it starts") {

@@ -75,6 +75,26 @@ TEST_CASE("a recording of an earlier version reads as it did") {
   CHECK(to_json(camera.value(), RecordingCodec::Ffv1) == kEarlyCamera);
 }
 
+TEST_CASE("a newer version of a recording is refused by its number, and keys that nobody knows are ignored") {
+  const std::string text = to_json(camera_from_json(kEarlyCamera).value(), RecordingCodec::Huffyuv),
+                    stated = "\"version\":2";
+  const std::size_t at = text.find(stated);
+  REQUIRE(at != std::string::npos);  // with FFV1 it is 1, as above
+  CHECK(camera_from_json(text).ok());
+  std::string newer = text;
+  const auto refused = camera_from_json(newer.replace(at, stated.size(), "\"version\":3"));
+  require_error(refused, ErrorCode::Unsupported);
+  CHECK(refused.error().message.find("version 3, this program reads up to 2") != std::string::npos);
+
+  const auto with_more = [](std::string known) { return known.insert(1, R"("lens_maker":{"name":["x"]},)"); };
+  const auto camera = camera_from_json(with_more(text));
+  REQUIRE(camera.ok());
+  CHECK(to_json(camera.value(), RecordingCodec::Huffyuv) == text);
+  const auto frame = record_from_json(with_more(kEarlyFacts), 8);
+  REQUIRE(frame.ok());
+  CHECK(to_json(3, frame.value().facts, 8) == kEarlyFacts);
+}
+
 TEST_CASE("every source and verdict has one word, which reads back as itself") {
   for (const ExposureSource source : kExposureSources)
     for (const Verdict verdict : kVerdicts) {
