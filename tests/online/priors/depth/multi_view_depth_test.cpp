@@ -69,7 +69,7 @@ TEST_CASE("the depth of a static scene is found at nearly every pixel", "[depth]
   CHECK(prior.weight.cols() == scene.cols / step_px);
   const Quality quality = judge(scene, path.back(), 15, prior, step_px);
   CHECK(quality.dense > 0.6);
-  CHECK(quality.relative_error < 0.06);
+  CHECK(quality.relative_error < 0.03);
 }
 
 TEST_CASE("more views make it better", "[depth]") {
@@ -111,7 +111,7 @@ TEST_CASE("what was learnt stays while the camera stops", "[depth]") {
   const DepthMap prior = run(scene, path, film(scene, path, 0), {});
   const Quality quality = judge(scene, path.back(), static_cast<double>(path.size() - 1), prior, 2);
   CHECK(quality.dense > 0.5);
-  CHECK(quality.relative_error < 0.05);
+  CHECK(quality.relative_error < 0.01);
 }
 
 TEST_CASE("the depth does not depend on the number of threads", "[depth]") {

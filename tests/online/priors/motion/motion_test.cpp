@@ -73,8 +73,8 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
       from += std::abs(static_cast<double>(motion.from_previous.vectors.at(0, y, x)) - 2.5);
       trusted += static_cast<double>(motion.to_previous.confidence.at(0, y, x));
     }
-  CHECK(to / count < 0.35);
-  CHECK(from / count < 0.35);
+  CHECK(to / count < 0.1);
+  CHECK(from / count < 0.1);
   CHECK(trusted / count > 0.8);
 }
 

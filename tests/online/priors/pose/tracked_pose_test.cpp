@@ -127,8 +127,8 @@ TEST_CASE("objects that move by themselves over 30 percent of the picture do not
   const auto truth = straight_path(15, {0.05, 0, 0.02}, {0, -0.004, 0});
   const auto poses = track(scene, film(scene, truth, 0.1));
   const PathErrors errors = compare(poses, truth);
-  CHECK(errors.turn_deg < 0.6);
-  CHECK(errors.direction_deg < 12);
+  CHECK(errors.turn_deg < 0.25);
+  CHECK(errors.direction_deg < 2);
 }
 
 TEST_CASE("objects that cross the picture slowly do not take the pose with them", "[pose]") {
@@ -151,9 +151,9 @@ TEST_CASE("the scale does not jump over sixty frames", "[pose]") {
   const auto truth = straight_path(60, {0.04, 0.005, 0.02}, {0, -0.004, 0});
   const auto poses = track(scene, film(scene, truth, 0.1));
   const PathErrors errors = compare(poses, truth);
-  CHECK(errors.worst_step < 0.15);
-  CHECK(errors.total_drift < 0.2);
-  CHECK(errors.turn_deg < 1);
+  CHECK(errors.worst_step < 0.1);
+  CHECK(errors.total_drift < 0.08);
+  CHECK(errors.turn_deg < 0.4);
 }
 
 TEST_CASE("depth samples are inverse depths in the unit of the path", "[pose]") {
@@ -297,8 +297,8 @@ TEST_CASE("a focal length that is wrong by 10 percent costs accuracy, not the tr
   const auto poses = track(scene, frames);
   const PathErrors errors = compare(poses, truth);
   CHECK_FALSE(poses.back().lost);
-  CHECK(errors.turn_deg < 1.5);
-  CHECK(errors.direction_deg < 25);
+  CHECK(errors.turn_deg < 0.6);
+  CHECK(errors.direction_deg < 6);
 }
 
 TEST_CASE(
