@@ -261,13 +261,14 @@ TEST_CASE("a run lists the outputs that it completed, and no other") {
 
 TEST_CASE("a run with --force says which files of an earlier, longer run remain beside its own") {
   const std::string folder = sample::scratch_folder("kept_older"), frames = folder + "/%06d.exr";
-  const auto replay = [&](const char* count) {
-    return test::ran(joined({"replay", kDemo, "--force", "--frames", count, "-o", frames}, kQuick));
+  const auto replayed = [&](const char* count) {
+    const test::Ran run =
+        test::ran(joined({"replay", kDemo, "--force", "--frames", count, "-o", frames}, kQuick));
+    INFO(run.output);
+    CHECK(run.exit_code == 0);
+    return run.output;
   };
-  CHECK_THAT(replay("8").output, !Contains("earlier run"));
-  const test::Ran shorter = replay("6");
-  INFO(shorter.output);
-  CHECK(shorter.exit_code == 0);
-  CHECK_THAT(shorter.output, Contains("warning: 2 file(s) of an earlier run remain") && Contains(frames));
-  CHECK_THAT(replay("8").output, !Contains("earlier run"));
+  CHECK_THAT(replayed("8"), !Contains("earlier run"));
+  CHECK_THAT(replayed("6"), Contains("warning: 2 file(s) of an earlier run remain") && Contains(frames));
+  CHECK_THAT(replayed("8"), !Contains("earlier run"));
 }
