@@ -49,6 +49,12 @@ class Running {
     const int wanted = frames_ + count;
     return waits_for([&] { return frames_ >= wanted; });
   }
+  // Waits until one of the counters has grown so much; false after a long time. Frames that were emitted may
+  // have been captured long before.
+  bool grows(std::uint64_t LiveCounters::*counter, std::uint64_t by) {
+    const std::uint64_t wanted = source_->session().counters().*counter + by;
+    return waits_for([&] { return source_->session().counters().*counter >= wanted; });
+  }
   template <class Condition>
   bool waits_for(Condition&& holds) {
     for (int i = 0; i < 6000; ++i) {
@@ -111,10 +117,10 @@ TEST_CASE(
     }));
     CHECK(control.recording() == file);
     require_error(control.start_recording(), ErrorCode::Busy);
-    REQUIRE(run.more_frames(20));
+    REQUIRE(run.grows(&LiveCounters::recorded, 20));
     require_done(control.stop_recording());
     CHECK(control.recording().empty());
-    REQUIRE(run.more_frames(5));
+    REQUIRE(run.grows(&LiveCounters::not_requested, 5));
     files.insert(file);
   }
   const LiveCounters counters = run.end();
@@ -140,7 +146,7 @@ TEST_CASE("a recording that is open when the run ends is completed") {
   const std::string folder = sample::scratch_folder("open_take");
   Running run(settings_of(folder));
   const std::string file = value_of(run.control().start_recording());
-  REQUIRE(run.more_frames(10));
+  REQUIRE(run.grows(&LiveCounters::recorded, 10));
   const LiveCounters counters = run.end();
   CHECK(sequences_in(file).size() == counters.recorded);
   CHECK(counters.recorded >= 10);
@@ -159,7 +165,7 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
     if (started) take = started.value();
     return started.ok();
   }));
-  REQUIRE(run.more_frames(10));
+  REQUIRE(run.grows(&LiveCounters::in_takes, 10));
   LiveCounters counters = run.end();
   CHECK(counters.in_takes == sequences_in(take).size());
   CHECK(run.source().takes_account() == fmt::format("{}: {} frames\n", take, counters.in_takes));
