@@ -149,7 +149,7 @@ TEST_CASE("one exposure only", "[stability]") {
 TEST_CASE("steps of ten stops", "[stability]") {
   test::MovingScene scene;
   scene.exposures_s = {0.00002, 0.02048};
-  check_error_below(1.5, emitted(scene, 10), scene);
+  check_error_below(0.5, emitted(scene, 10), scene);
 }
 
 TEST_CASE("a new exposure in every frame", "[stability]") {
@@ -189,7 +189,7 @@ TEST_CASE("one moving pixel stays one moving pixel", "[stability]") {
 TEST_CASE("half of the frames are missing", "[stability]") {
   const test::MovingScene scene;
   check_error_below(
-      0.5,
+      0.15,
       emitted(scene, 24,
               [](RawFrame&, int i) { return (static_cast<unsigned>(i) * 2654435761u >> 16 & 1) == 0; }),
       scene);
@@ -201,7 +201,7 @@ TEST_CASE("timestamps that stand still or run backwards", "[stability]") {
     raw.facts.timestamp = Instant::from_seconds(i % 3 == 0 ? 1.0 : 0.5);
     return true;
   });
-  check_error_below(0.5, frames, scene);
+  check_error_below(0.25, frames, scene);
 }
 
 TEST_CASE("a scene cut in every third frame leaves no ghost of the scene before", "[stability]") {
@@ -220,7 +220,7 @@ TEST_CASE("a scene cut in every third frame leaves no ghost of the scene before"
     if (upside_down(frame.index))
       std::reverse(upright.radiance.plane(1), upright.radiance.plane(1) + upright.radiance.plane_size());
     INFO("frame " << frame.index);
-    CHECK(log_error(upright, scene) < 1);
+    CHECK(log_error(upright, scene) < 0.5);
   }
 }
 
