@@ -1,12 +1,16 @@
 // The verb `compare` as a user meets it: the program, a clip on disk, what it prints and how it ends.
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "firmware_host/exit_code.h"
 #include "hal/storage.h"
+#include "tests/places.h"
 #include "tests/render/scores/synthetic_clip.h"
+#include "tests/support/scratch_folder.h"
 
+#include "tests/support/files.h"
 #include "tests/support/ran.h"
 
 namespace hdrcam {
@@ -47,6 +51,23 @@ TEST_CASE("hdrcam compare prints a table with units and writes the same figures 
   const Ran alone = run_compare(fmt::format("{0} {0}/out/ --label mine --json -", clip.path()));
   REQUIRE(alone.exit_code == 0);
   REQUIRE(nlohmann::json::parse(alone.output) == json);
+}
+
+TEST_CASE("hdrcam compare prints every figure that docs/compare.md explains") {
+  const std::string clip = test::scratch_folder("compare_figures") + "/walk";
+  REQUIRE(test::ran("simulate 'walk?size=64x48' --frames 6 --truth " + clip).exit_code == 0);
+  const Ran run = run_compare(fmt::format("{0} {0}/gt/hdr", clip));
+  REQUIRE(run.exit_code == 0);
+  int explained = 0;
+  std::istringstream page(test::text_of(HDRCAM_SOURCE_DIR "/docs/compare.md"));
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| `")) continue;
+    std::istringstream column(line.substr(0, line.find('|', 1)));
+    std::string between, figure;
+    for (; std::getline(column, between, '`') && std::getline(column, figure, '`'); ++explained)
+      CHECK_THAT(run.output, Catch::Contains(figure));
+  }
+  CHECK(explained > 10);
 }
 
 TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is nothing to compare") {
