@@ -15,8 +15,9 @@
 #include "tests/firmware_host/sinks/example_frames.h"
 #include "tests/firmware_host/web/http_client.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
 using nlohmann::json;
@@ -121,6 +122,23 @@ TEST_CASE("before the first frame the live view says that there is none") {
     CHECK(get(*view, path).status == 503);
   CHECK(get(*view, "/metrics").status == 200);
   CHECK_FALSE(json_at(*view, "/status.json").contains("frame"));
+}
+
+TEST_CASE("every path that docs/live-view.md lists is served, and an action to no GET") {
+  ExampleControl control;
+  const auto view = open_view(&control);
+  REQUIRE(emit(*view, example_frame(6)).ok());
+  std::istringstream page(test::text_of(HDRCAM_SOURCE_DIR "/docs/live-view.md"));
+  int listed = 0;
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| `")) continue;
+    const std::string path = line.substr(3, line.find('`', 3) - 3), action = "POST ";
+    INFO(path);
+    const bool acts = path.starts_with(action);
+    CHECK(get(*view, acts ? path.substr(action.size()) : path).status == (acts ? 405 : 200));
+    ++listed;
+  }
+  CHECK(listed >= 10);
 }
 
 TEST_CASE("the picture is the newest frame, at the exposure and in the look that each client asks for") {
