@@ -55,20 +55,20 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.1, 35.4, 0.0665, 0.003},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.95, 33.6, 0.084,
-     0.0065},
-    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.1, 35.7, 0.069,
-     0.003},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.5, 35.75, 0.0382, 0.0045},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.6, 31.1, 0.0872, 0.0075},
-    {"state, raw", kRaw, Preset::Balanced, EmitLayer::State, leave, 36.85, 36.15, 0.052, 0.0017},
-    {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 31.8, 28.55, 0.1165,
-     0.0185},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.2, 36.75, 0.071, 0.0045},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.45, 37.4, 0.066, 0.004},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.45, 37.4, 0.066, 0.004},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 36.8, 35.15, 0.0902, 0.013},
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 41.2, 37.9, 0.0545, 0.0045},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 39.6, 35.55, 0.073,
+     0.008},
+    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 41.2, 38.4, 0.0565,
+     0.0045},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 42.45, 39.1, 0.0284, 0.0045},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 35.3, 32.55, 0.078, 0.0068},
+    {"state, raw", kRaw, Preset::Balanced, EmitLayer::State, leave, 37.12, 36.43, 0.0505, 0.0017},
+    {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 32.1, 29.2, 0.107,
+     0.0195},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 41, 38.1, 0.059, 0.005},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 41.4, 38.8, 0.0547, 0.0045},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 41.4, 38.8, 0.0547, 0.0045},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 38.1, 36.1, 0.079, 0.0125},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -79,13 +79,13 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},
-    {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0035},
-    {"warp variance", kWalk, no_warp_variance, 2.15, 0.0095},
-    {"gate", kWalk, no_gate, 0.5, 0},
-    {"blur variance", kPan, no_blur_variance, 0.45, 0.003},
-    {"learned noise", kDim, assumed_noise, 2.8, 0.1},
-    {"rolling shutter correction", kDim, no_rolling_shutter, 0.9, 0.001},
+    {"look-ahead", kWalk, no_look_ahead, 1.5, 0.0165},
+    {"shrinkage", kWalk, no_shrinkage, 1.1, 0.004},
+    {"warp variance", kWalk, no_warp_variance, 2.25, 0.0065},
+    {"gate", kWalk, no_gate, 0.6, 0},
+    {"blur variance", kPan, no_blur_variance, 1.3, 0.0055},
+    {"learned noise", kDim, assumed_noise, 3.4, 0.1},
+    {"rolling shutter correction", kDim, no_rolling_shutter, 1.3, 0.0015},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
