@@ -17,8 +17,10 @@ ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
       cycle_(limits.cycle) {}
 
 std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
-  if (slot < 0 || slot >= slots_ || slots_ < 2) return std::nullopt;
+  if (slot >= slots_ || slots_ < 2) return std::nullopt;
   if (waiting_ > 0) return --waiting_, std::nullopt;
+  if (slot < 0) return observe_unknown(shares);
+  unknown_ = 0;
   const auto at = static_cast<std::size_t>(slot);
   sums_[at].clipped += shares.clipped, sums_[at].dark += shares.dark;
   ++counts_[at];
@@ -30,8 +32,21 @@ std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, con
   };
   const ExposureAdvice advice = advise(mean(ends_.shortest), mean(ends_.longest));
   sums_ = {}, counts_ = {};
+  return next(advice);
+}
+
+std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe_unknown(const SlotShares& shares) {
+  if (unknown_ == 0) darkest_ = brightest_ = shares;
+  darkest_ = {std::min(darkest_.clipped, shares.clipped), std::max(darkest_.dark, shares.dark)};
+  brightest_ = {std::max(brightest_.clipped, shares.clipped), std::min(brightest_.dark, shares.dark)};
+  if (++unknown_ < kUnknownCycles * slots_) return std::nullopt;
+  unknown_ = 0;
+  return next(advise(darkest_, brightest_));
+}
+
+std::optional<ExposureSchedule::Cycle> ExposureAdaptation::next(const ExposureAdvice& advice) const {
   if (!advice.changes()) return std::nullopt;
-  const ExposureSchedule::Cycle next = followed(cycle_, advice, limits_);
+  ExposureSchedule::Cycle next = followed(cycle_, advice, limits_);
   const auto same = [](const Exposure& a, const Exposure& b) {
     return std::abs(log_product(a) - log_product(b)) < kRounding;
   };
@@ -41,7 +56,7 @@ std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, con
 
 void ExposureAdaptation::runs(std::span<const Exposure> cycle) {
   cycle_ = ExposureSchedule::Cycle(cycle);
-  waiting_ = kSettling * slots_;
+  waiting_ = kSettling * slots_, unknown_ = 0;
 }
 
 }  // namespace hdrcam

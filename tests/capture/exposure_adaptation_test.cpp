@@ -86,6 +86,38 @@ TEST_CASE("a sensor that always amplifies follows the light, too", "[capture]") 
   CHECK(bright.wrong + dark.wrong == 0);
 }
 
+TEST_CASE("a cycle too dark for any label follows the light until pictures tell the exposures", "[capture]") {
+  constexpr Exposure kDark[] = {{20us, 1}, {40us, 1}, {80us, 1}};
+  test::MisbehavingCamera sensor({.kind = test::SensorKind::Gamma8,
+                                  .per_request = false,
+                                  .latency = 2,
+                                  .gain_latency = 2,
+                                  .reports = false,
+                                  .pan_px = 1,
+                                  .key = 0.1},
+                                 {});
+  CaptureOptions options;
+  options.adapt = Adapt::Light;
+  auto opened = CaptureStage::open(sensor, nullptr, kDark, Mains::Off, options);
+  REQUIRE(opened.ok());
+  CaptureStage& stage = **opened;
+  REQUIRE(stage.start().ok());
+  CapturedFrame frame;
+  int trusted_first = 0, trusted_last = 0, wrong = 0;
+  for (int i = 0; i < 900; ++i) {
+    REQUIRE(stage.next(frame).ok());
+    if (!frame.proof.trusted()) continue;
+    (i < 60 ? trusted_first : trusted_last) += 1;
+    wrong += std::abs(frame.proof.label.log_value() - sensor.truth()) > 0.1 ? 1 : 0;
+  }
+  INFO("longest " << describe(stage.schedule().slot(2).exposure.time) << ", trusted " << trusted_first
+                  << " and " << trusted_last);
+  CHECK(trusted_first == 0);
+  CHECK(stage.schedule().slot(2).exposure.time > 1ms);
+  CHECK(trusted_last > 200);
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a cycle that repeats an exposure follows the light, also where the control delays are unknown",
           "[capture]") {
   constexpr Exposure kRepeats[] = {{1ms, 1}, {16ms, 1}, {1ms, 1}};
@@ -139,6 +171,29 @@ TEST_CASE(
   limits.cycle = {{4ms, 1}};
   ExposureAdaptation single(limits);
   for (int i = 0; i < 20; ++i) CHECK_FALSE(single.observe(0, {0.5f, 0}));
+}
+
+TEST_CASE("the darkest and the brightest frames move the cycle where nobody knows their exposures",
+          "[capture]") {
+  const auto asked = [](const SlotShares& most, const SlotShares& every_fifth) {
+    ExposureAdaptation adaptation(kLimits);
+    std::optional<ExposureSchedule::Cycle> next;
+    for (int i = 0; i < 60 && !next; ++i) next = adaptation.observe(-1, i % 5 == 0 ? every_fifth : most);
+    return next;
+  };
+  const SlotShares black{0, 0.99f}, white{0.99f, 0}, fair{0.002f, 0.02f};
+  const auto longer = asked(black, black), shorter = asked(white, white), wider = asked(black, white);
+  REQUIRE((longer && shorter && wider));
+  CHECK(((*longer)[0].time > 1ms && (*longer)[2].time > 16ms));
+  CHECK(((*shorter)[0].time < 1ms && (*shorter)[2].time < 16ms));
+  CHECK(((*wider)[0].time > 1ms && (*wider)[2].time < 16ms));
+  const auto lifted = asked(fair, black);
+  REQUIRE(lifted.has_value());
+  CHECK(((*lifted)[0].time > 1ms && (*lifted)[2].time == 16ms));
+  CHECK_FALSE(asked(fair, {0.005f, 0.3f}));
+
+  ExposureAdaptation adaptation(kLimits);  // a frame of which it is known begins the count anew
+  for (int i = 0; i < 200; ++i) REQUIRE_FALSE(adaptation.observe(i % 20 == 0 ? 1 : -1, black));
 }
 
 TEST_CASE("it waits until the new cycle is back before it judges again", "[capture]") {
