@@ -57,6 +57,7 @@ std::optional<ExposureSchedule::Cycle> ExposureAdaptation::next(const ExposureAd
 void ExposureAdaptation::runs(std::span<const Exposure> cycle) {
   cycle_ = ExposureSchedule::Cycle(cycle);
   waiting_ = kSettling * slots_, unknown_ = 0;
+  sums_ = {}, counts_ = {};
 }
 
 }  // namespace hdrcam

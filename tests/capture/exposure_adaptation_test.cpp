@@ -214,6 +214,18 @@ TEST_CASE("it waits until the new cycle is back before it judges again", "[captu
   CHECK(second[0].time < first[0].time);
 }
 
+TEST_CASE("frames of the cycle before say nothing of the one that follows darkness", "[capture]") {
+  ExposureAdaptation adaptation(kLimits);
+  for (int i = 0; i < 9; ++i)
+    REQUIRE_FALSE(adaptation.observe(i % 3, {0.5f, 0}));  // too few, then it is dark
+  std::optional<ExposureSchedule::Cycle> next;
+  for (int i = 0; i < 60 && !next; ++i) next = adaptation.observe(-1, {0, 0.99f});
+  REQUIRE(next.has_value());
+  adaptation.runs(*next);
+  for (int i = 0; i < 300; ++i)
+    REQUIRE_FALSE(adaptation.observe(i % 3, {i % 3 == 0 ? 0.005f : 0.2f, i % 3 == 2 ? 0.02f : 0.3f}));
+}
+
 TEST_CASE("a cycle that the camera refuses is not taken for the one that runs", "[capture]") {
   ExposureAdaptation adaptation(kLimits);
   std::vector<ExposureSchedule::Cycle> asked;
