@@ -52,8 +52,8 @@ struct TimeCode {
   friend bool operator==(const TimeCode&, const TimeCode&) = default;
 };
 
-// The code of an instant `since_start` (>= 0) after 00:00:00:00, of the frame that is nearest; the hours wrap
-// at 24.
+// The code of an instant `since_start` (>= 0) after 00:00:00:00: of the frame that began last, or begins
+// within half a frame of a camera of 30 Hz or, if that is faster, of this one; the hours wrap at 24.
 TimeCode time_code(Duration since_start, double framerate_hz);
 
 // The standard attributes of OpenEXR ("Standard Optional Attributes"), each written only where it is known.
