@@ -175,6 +175,18 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
   CHECK(way_out(counters, settings).find("all frames are recorded") == std::string::npos);
 }
 
+TEST_CASE("a recording that a person starts and stops between two frames is named, for its file is there") {
+  Settings settings = settings_of(sample::scratch_folder("take_between_frames"));
+  settings.camera.id = "sim:still?size=64x48&fps=2";
+  Running run(settings);
+  REQUIRE(run.more_frames(1));
+  const std::string take = value_of(run.control().start_recording());
+  require_done(run.control().stop_recording());
+  const LiveCounters counters = run.end();
+  CHECK(sequences_in(take).size() == counters.in_takes);  // 0 unless the machine is very slow
+  CHECK(run.source().takes_account().starts_with(take + ": "));
+}
+
 TEST_CASE("a run without a place for recordings records nothing on demand, and says how to get one") {
   Settings settings = settings_of("unused");
   settings.output.http_takes.clear();
