@@ -50,6 +50,7 @@ YuvCoding coding_of(std::uint32_t colour_space, std::uint32_t encoding, std::uin
       yuv.matrix = YuvMatrix::Bt709;
       break;
     case V4L2_YCBCR_ENC_BT2020:
+    case V4L2_YCBCR_ENC_BT2020_CONST_LUM:  // its chroma is made of other luma; the shares are the same
       yuv.matrix = YuvMatrix::Bt2020;
       break;
     default:
