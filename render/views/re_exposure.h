@@ -1,6 +1,6 @@
 // The 8-bit picture that the camera would have taken: radiance through an exposure and the camera's own
-// response, without noise, which nobody wants back. It is held as the light that an sRGB display shows of its
-// codes, code = 255 sRGB(light), so that it goes where radiance goes. Reentrant.
+// response, without noise and black level, which nobody wants back. It is held as the light that an sRGB
+// display shows of its codes, code = 255 sRGB(light), so that it goes where radiance goes. Reentrant.
 #pragma once
 
 #include <cstdint>
