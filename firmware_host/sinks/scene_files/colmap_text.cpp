@@ -63,7 +63,8 @@ std::string points_of(const PosedClip& clip, const Sightings& seen) {
     for (std::size_t k = 0; k < seen[picture].size(); ++k) {
       const std::size_t i = seen[picture][k];
       const ColouredPoint& point = clip.points[i];
-      fmt::format_to(out, "{} {:.9g} {:.9g} {:.9g} {} {} {} -1 {} {}\n", id_of(i), point.p_world.x(),
+      // twelve digits: to a hundredth of a millimetre anywhere on Earth
+      fmt::format_to(out, "{} {:.12g} {:.12g} {:.12g} {} {} {} -1 {} {}\n", id_of(i), point.p_world.x(),
                      point.p_world.y(), point.p_world.z(), point.rgb[0], point.rgb[1], point.rgb[2],
                      id_of(picture), k);
     }

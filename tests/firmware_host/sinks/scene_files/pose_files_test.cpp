@@ -60,6 +60,22 @@ TEST_CASE("a frame whose pose is lost, and one whose picture is not there, are l
   CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
 }
 
+TEST_CASE("a point of a world that is measured from far away is written to a tenth of a millimetre") {
+  const std::string folder = sample::scratch_folder("pose_files_far");
+  auto colmap = create_colmap(posix_storage(), folder + "/colmap", {folder + "/%04d.png", ""});
+  REQUIRE(colmap.ok());
+  const Eigen::Vector3d p_world(500000.12345, 4500000.12345, 120.12345);  // as a map counts metres
+  HdrFrame frame = posed_frame(0);
+  frame.points.push_back({p_world, 10.5, 8.5, {1, 1, 1}});
+  REQUIRE(test::emit(*colmap.value(), frame).ok());
+  write_picture(folder + "/0000.png");
+  REQUIRE((colmap.value()->finish().ok() && colmap.value()->conclude({}).ok()));
+  const auto model = test::read_colmap(folder + "/colmap");
+  REQUIRE(model.points.size() == 1);
+  const test::Vector3& read = model.points.begin()->second.p_world;
+  CHECK((p_world - Eigen::Vector3d(read.x, read.y, read.z)).norm() < 1e-4);
+}
+
 TEST_CASE("a film whose first frames have no pose has those of the later ones, and an error where none has") {
   const std::string folder = sample::scratch_folder("pose_files_unposed");
   auto transforms =
