@@ -1,6 +1,6 @@
 // Where 8-bit pictures at one exposure go (render/views/re_exposure.h): the sinks of a run whose frames hold
-// display light instead of radiance. `frames` are PNG files or an SDR video with the camera's own codes; the
-// other sinks are those of sink_table.h. Reentrant.
+// display light instead of radiance. `frames` are PNG files with the camera's own codes, or an SDR video that
+// shows their light in the codes of BT.709; the other sinks are those of sink_table.h. Reentrant.
 #pragma once
 
 #include <span>
