@@ -92,11 +92,15 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.notes.push_back(fmt::format("noise{}: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      sensor.noise_measured() ? "" : " (assumed, not measured)",
                                      noise.full_well, noise.read_noise));
-  if (const float share = sensor.texture_error(); share > 0)
-    record.notes.push_back(fmt::format(
-        "{}: a sample's variance has {:.0f} % of the local contrast",
-        share > sensor.texture_error_of_mosaic() ? "the camera processes textures" : "colours of a mosaic",
-        100 * share));
+  if (const float share = sensor.texture_error(); share > 0) {
+    const float of_mosaic = sensor.texture_error_of_mosaic();
+    record.notes.push_back(fmt::format("{}: a sample's variance has {:.0f} % of the local contrast",
+                                       of_mosaic == 0 ? "the camera processes textures"
+                                       : share > of_mosaic
+                                           ? "colours of a mosaic, and what else pictures differ by"
+                                           : "colours of a mosaic",
+                                       100 * share));
+  }
   if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "

@@ -53,10 +53,11 @@ std::vector<std::string> files_in(const std::string& folder, const std::string& 
   return names;
 }
 
-// Of a replay of six frames that a camera writes as they are, behind a mosaic.
-nlohmann::json stats_of_raw(const std::string& name) {
-  const std::string folder = sample::scratch_folder(name), path = folder + "/still.mkv";
-  REQUIRE(ran_here({"simulate", "still?size=64x48", "-o", path, "--frames", "6", "--format", "bayer"})
+// Of a replay of some frames that a camera writes as they are, behind a mosaic.
+nlohmann::json stats_of_raw(const std::string& name, const std::string& scene = "still?size=64x48",
+                            int frames = 6) {
+  const std::string folder = sample::scratch_folder(name), path = folder + "/raw.mkv";
+  REQUIRE(ran_here({"simulate", scene, "-o", path, "--frames", std::to_string(frames), "--format", "bayer"})
               .exit_code == 0);
   REQUIRE(ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"})
               .exit_code == 0);
@@ -100,6 +101,15 @@ TEST_CASE("what interpolating a mosaic leaves in textures is not called the came
   const std::string notes = stats_of_raw("replay_mosaic")["notes"].dump();
   INFO(notes);
   CHECK(notes.find("colours of a mosaic: a sample's variance has 2 % of the local contrast") !=
+        std::string::npos);
+  CHECK(notes.find("the camera processes textures") == std::string::npos);
+}
+
+TEST_CASE("what raw pictures differ by beyond their mosaic is not called the camera's processing") {
+  const std::string notes =
+      stats_of_raw("replay_mosaic_and_more", "night?seed=6&size=96x72", 10)["notes"].dump();
+  INFO(notes);
+  CHECK(notes.find("colours of a mosaic, and what else pictures differ by: a sample's variance has ") !=
         std::string::npos);
   CHECK(notes.find("the camera processes textures") == std::string::npos);
 }
