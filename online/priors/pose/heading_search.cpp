@@ -91,6 +91,32 @@ Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& di
   return found;
 }
 
+// A small turn moves all points of a narrow view alike, as a translation does: with another turn the same
+// flow is that of the opposite heading, near for far. What the turn does besides tells which it is, once both
+// are fitted. False where the heading is too much along the view: no turn looks like it.
+bool mirror(const std::vector<Parallax>& points, const Candidate& found, Candidate& mirrored,
+            std::vector<double>& along) {
+  constexpr double kSideways = 0.5;
+  constexpr double kFarthest = 0.95;  // so much of the points' flow along the heading is turn, at most
+  const double sideways = found.direction.head<2>().norm();
+  if (sideways < kSideways) return false;
+  along.clear();
+  for (const Parallax& p : points) {
+    const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(),
+                               found.direction.y() - p.y * found.direction.z());
+    if (line.norm() >= kShortestEpipolar)
+      along.push_back(line.dot(p.flow - p.per_turn * found.turn) / line.norm());
+  }
+  if (along.empty()) return false;
+  const auto most =
+      along.begin() + static_cast<std::ptrdiff_t>(kFarthest * static_cast<double>(along.size() - 1));
+  std::nth_element(along.begin(), most, along.end());
+  mirrored = found;
+  mirrored.direction = -found.direction;
+  mirrored.turn += *most / sideways * Eigen::Vector3d(-found.direction.y(), found.direction.x(), 0);
+  return true;
+}
+
 Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, std::size_t points,
                 const RigidTransform& turned) {
   std::vector<double> depths;  // for a translation of length 1
@@ -131,9 +157,12 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
     if (static_cast<int>(chosen.size()) == count) break;
   }
   std::vector<Heading> headings;
-  headings.reserve(chosen.size());
-  for (const Candidate& candidate : chosen)
+  headings.reserve(2 * chosen.size());
+  for (const Candidate& candidate : chosen) {
     headings.push_back(as_pose(candidate, parallax, points.size(), turned));
+    if (Candidate mirrored; mirror(parallax, candidate, mirrored, errors))
+      headings.push_back(as_pose(mirrored, parallax, points.size(), turned));
+  }
   return headings;
 }
 
