@@ -94,7 +94,7 @@ inline constexpr double kFinerFlow_db = 0.01, kNotWorse_db = -0.05;
 // The field's radiance of unseen pixels: at least so many samples on kShortWalk, and their error (mean
 // |log2|) at most this share of the lower bound's that the state holds there.
 inline constexpr int kFieldAnswers = 300;
-inline constexpr double kFieldErrorShare = 1.02;
+inline constexpr double kFieldErrorShare = 1.03;
 // The field alone is another picture than the state's: mean |log2| between them, stops.
 inline constexpr double kFieldFromState_stops = 0.02;
 

@@ -19,7 +19,8 @@ struct Heading {
 };
 
 // turned: the pose of the best rotation without translation. Returns at most `count` headings, the best
-// first, all clearly different from each other.
+// first, all clearly different from each other, and behind each that lies sideways its opposite with the turn
+// that makes it explain the same flow.
 std::vector<Heading> search_headings(std::span<const ScenePoint> points, const Intrinsics& lens,
                                      const RigidTransform& turned, int count);
 

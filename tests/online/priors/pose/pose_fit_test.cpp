@@ -127,9 +127,34 @@ TEST_CASE("the heading is found without any depth", "[pose]") {
   auto depths = priors(points);
   const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
   const auto headings = search_headings(points, kLens, turned.T_camera_world, 4);
-  REQUIRE(headings.size() == 4);
+  REQUIRE(headings.size() >= 4);
   double best = -1;
   for (const Heading& heading : headings)
     best = std::max(best, heading.T_camera_world.t.normalized().dot(kTruth.t.normalized()));
   CHECK(best > 0.9);
+}
+
+TEST_CASE("behind a sideways heading stands its opposite, near for far",
+          "[pose]") {
+  std::vector<double> truth;
+  auto points = scene(0, 0, truth);
+  for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
+  auto depths = priors(points);
+  const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
+  auto headings = search_headings(points, kLens, turned.T_camera_world, 1);
+  REQUIRE(headings.size() == 2);
+  const auto along_truth = [](const Heading& heading) {
+    return heading.T_camera_world.t.normalized().dot(kTruth.t.normalized());
+  };
+  if (along_truth(headings[0]) < 0) std::swap(headings[0], headings[1]);
+  CHECK(along_truth(headings[0]) > 0.9);
+  CHECK(along_truth(headings[1]) < -0.9);
+  const auto depth_order = [&](const Heading& heading) {  // > 0: as the truth has it
+    double sum = 0;
+    for (std::size_t i = 1; i < truth.size(); ++i)
+      sum += (truth[i] - truth[i - 1]) * (heading.inverse_depths[i] - heading.inverse_depths[i - 1]);
+    return sum;
+  };
+  CHECK(depth_order(headings[0]) > 0);
+  CHECK(depth_order(headings[1]) < 0);
 }
