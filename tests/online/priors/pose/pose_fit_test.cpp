@@ -134,8 +134,7 @@ TEST_CASE("the heading is found without any depth", "[pose]") {
   CHECK(best > 0.9);
 }
 
-TEST_CASE("behind a sideways heading stands its opposite, near for far",
-          "[pose]") {
+TEST_CASE("behind a sideways heading stands its opposite, near for far", "[pose]") {
   std::vector<double> truth;
   auto points = scene(0, 0, truth);
   for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
