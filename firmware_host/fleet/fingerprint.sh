@@ -26,5 +26,10 @@ fingerprint() {
 # name_of RECORDING: of its folder in OUT and of its row in the table: without folder and extension.
 name_of() { sed 's|.*/||; s|\(.\)\.[^.]*$|\1|' <<<"$1"; }
 
+# need_jq: stops where the figures of a job cannot be read.
+need_jq() {
+  command -v jq >/dev/null || { echo "there is no program 'jq' here, which reads the figures of the table" >&2; exit 2; }
+}
+
 # job_says WORD FILE: what the file of a job says under that word; nothing where there is none.
 job_says() { sed -n "s/^$1 //p" "$2" 2>/dev/null || true; }

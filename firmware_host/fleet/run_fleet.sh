@@ -25,7 +25,7 @@ done
 [ "$manner" != slurm ] || command -v sbatch >/dev/null ||
   { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
 . "$here/fingerprint.sh" # stops where there is no program
-command -v jq >/dev/null || { echo "there is no program 'jq' here, which reads the figures of the table" >&2; exit 2; }
+need_jq
 names=$(for recording in "${recordings[@]}"; do name_of "$recording"; done | sort)
 twice=$(uniq -d <<<"$names")
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }

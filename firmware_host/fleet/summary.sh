@@ -5,7 +5,7 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 . "$here/fingerprint.sh"
-command -v jq >/dev/null || { echo "there is no program 'jq' here, which reads the figures of the table" >&2; exit 2; }
+need_jq
 out=$1
 mapfile -t flags <"$out/flags"
 same=$(same_for_all "${flags[@]}")

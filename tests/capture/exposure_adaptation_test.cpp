@@ -20,6 +20,15 @@ const ExposureLimits kLimits{.cycle = {std::begin(kCycle), std::end(kCycle)},
                              .least_gain = 1,
                              .greatest_gain = 8};
 
+std::unique_ptr<CaptureStage> started(Camera& sensor, std::span<const Exposure> cycle, Adapt adapt) {
+  CaptureOptions options;
+  options.adapt = adapt;
+  auto opened = CaptureStage::open(sensor, nullptr, cycle, Mains::Off, options);
+  REQUIRE(opened.ok());
+  REQUIRE((*opened)->start().ok());
+  return std::move(*opened);
+}
+
 struct Followed {
   CaptureCounters counters;
   SlotShares first[3], last[3];  // of the first and the last frame of each slot
@@ -31,14 +40,10 @@ struct Followed {
 Followed follow(double key, Adapt adapt, double gain = 1) {
   test::MisbehavingCamera sensor(
       {.kind = test::SensorKind::Gamma8, .pan_px = 1, .least_gain = gain, .key = key}, {});
-  CaptureOptions options;
-  options.adapt = adapt;
   std::vector<Exposure> cycle(std::begin(kCycle), std::end(kCycle));
   for (Exposure& exposure : cycle) exposure.gain = gain;
-  auto opened = CaptureStage::open(sensor, nullptr, cycle, Mains::Off, options);
-  REQUIRE(opened.ok());
-  CaptureStage& stage = **opened;
-  REQUIRE(stage.start().ok());
+  const auto running = started(sensor, cycle, adapt);
+  CaptureStage& stage = *running;
   Followed seen;
   CapturedFrame frame;
   for (int i = 0; i < 600; ++i) {
@@ -96,12 +101,8 @@ TEST_CASE("a cycle too dark for any label follows the light until pictures tell 
                                   .pan_px = 1,
                                   .key = 0.1},
                                  {});
-  CaptureOptions options;
-  options.adapt = Adapt::Light;
-  auto opened = CaptureStage::open(sensor, nullptr, kDark, Mains::Off, options);
-  REQUIRE(opened.ok());
-  CaptureStage& stage = **opened;
-  REQUIRE(stage.start().ok());
+  const auto running = started(sensor, kDark, Adapt::Light);
+  CaptureStage& stage = *running;
   CapturedFrame frame;
   int trusted_first = 0, trusted_last = 0, wrong = 0;
   for (int i = 0; i < 900; ++i) {
@@ -130,12 +131,8 @@ TEST_CASE("a cycle that repeats an exposure follows the light, also where the co
                                     .pan_px = 1,
                                     .key = 6},
                                    {});
-    CaptureOptions options;
-    options.adapt = Adapt::Light;
-    auto opened = CaptureStage::open(sensor, nullptr, kRepeats, Mains::Off, options);
-    REQUIRE(opened.ok());
-    CaptureStage& stage = **opened;
-    REQUIRE(stage.start().ok());
+    const auto running = started(sensor, kRepeats, Adapt::Light);
+    CaptureStage& stage = *running;
     CapturedFrame frame;
     for (int i = 0; i < 300; ++i) REQUIRE(stage.next(frame).ok());
     const auto time = [&](int slot) { return stage.schedule().slot(slot).exposure.time; };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "hal/core/median.h"
 
@@ -51,6 +52,11 @@ Eigen::Vector3d heading(int i) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
+// The direction in which a translation along the heading moves a point, times its inverse depth.
+Eigen::Vector2d epipolar_line(const Parallax& p, const Eigen::Vector3d& direction) {
+  return {direction.x() - p.x * direction.z(), direction.y() - p.y * direction.z()};
+}
+
 struct Candidate {
   Eigen::Vector3d direction;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
@@ -70,7 +76,7 @@ Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& di
     found.forward = 0;
     errors.clear();
     for (const Parallax& p : points) {
-      const Eigen::Vector2d line(direction.x() - p.x * direction.z(), direction.y() - p.y * direction.z());
+      const Eigen::Vector2d line = epipolar_line(p, direction);
       const double length = line.norm();
       if (length < kShortestEpipolar) continue;
       const Eigen::Vector2d across(-line.y() / length, line.x() / length);
@@ -93,36 +99,34 @@ Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& di
 
 // A small turn moves all points of a narrow view alike, as a translation does: with another turn the same
 // flow is that of the opposite heading, near for far. What the turn does besides tells which it is, once both
-// are fitted. False where the heading is too much along the view: no turn looks like it.
-bool mirror(const std::vector<Parallax>& points, const Candidate& found, Candidate& mirrored,
-            std::vector<double>& along) {
+// are fitted. None where the heading is too much along the view: no turn looks like it.
+std::optional<Candidate> mirrored(const std::vector<Parallax>& points, const Candidate& found,
+                                  std::vector<double>& along) {
   constexpr double kSideways = 0.5;
   constexpr double kFarthest = 0.95;  // so much of the points' flow along the heading is turn, at most
   const double sideways = found.direction.head<2>().norm();
-  if (sideways < kSideways) return false;
+  if (sideways < kSideways) return std::nullopt;
   along.clear();
   for (const Parallax& p : points) {
-    const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(),
-                               found.direction.y() - p.y * found.direction.z());
+    const Eigen::Vector2d line = epipolar_line(p, found.direction);
     if (line.norm() >= kShortestEpipolar)
       along.push_back(line.dot(p.flow - p.per_turn * found.turn) / line.norm());
   }
-  if (along.empty()) return false;
+  if (along.empty()) return std::nullopt;
   const auto most =
       along.begin() + static_cast<std::ptrdiff_t>(kFarthest * static_cast<double>(along.size() - 1));
   std::nth_element(along.begin(), most, along.end());
-  mirrored = found;
-  mirrored.direction = -found.direction;
-  mirrored.turn += *most / sideways * Eigen::Vector3d(-found.direction.y(), found.direction.x(), 0);
-  return true;
+  Candidate opposite = found;
+  opposite.direction = -found.direction;
+  opposite.turn += *most / sideways * Eigen::Vector3d(-found.direction.y(), found.direction.x(), 0);
+  return opposite;
 }
 
 Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, std::size_t points,
                 const RigidTransform& turned) {
   std::vector<double> depths;  // for a translation of length 1
   for (const Parallax& p : parallax) {
-    const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(),
-                               found.direction.y() - p.y * found.direction.z());
+    const Eigen::Vector2d line = epipolar_line(p, found.direction);
     depths.push_back(
         std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), 1e-4)));
   }
@@ -160,8 +164,8 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
   headings.reserve(2 * chosen.size());
   for (const Candidate& candidate : chosen) {
     headings.push_back(as_pose(candidate, parallax, points.size(), turned));
-    if (Candidate mirrored; mirror(parallax, candidate, mirrored, errors))
-      headings.push_back(as_pose(mirrored, parallax, points.size(), turned));
+    if (const auto opposite = mirrored(parallax, candidate, errors))
+      headings.push_back(as_pose(*opposite, parallax, points.size(), turned));
   }
   return headings;
 }

@@ -84,10 +84,7 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   refresh_guide(window, field(), probe_);
   const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
   TRY(window.advance(seen, pool_));
-  const std::array<Response::Curve, 3> estimate{response.inverse(0), response.inverse(1),
-                                                response.inverse(2)};
-  if (!options_.fits_response || estimate != estimate_) state_.response.start_from(response);
-  estimate_ = estimate;
+  if (!options_.fits_response || became_another(response)) state_.response.start_from(response);
 
   const int slot = window.newest().slot;
   if (previous_slot >= 0) {  // a new frame starts from its predecessor's parameters
@@ -113,6 +110,15 @@ void FieldFit::make_ready() {
     state_.pickers[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
   for (OptimisedBranch* part : branches_.both()) part->keep();
   ready_ = true;
+}
+
+bool FieldFit::became_another(const Response& response) {
+  bool another = false;
+  for (std::size_t c = 0; c < estimate_.size(); ++c) {
+    const Response::Curve& curve = response.inverse(static_cast<int>(c));
+    if (curve != estimate_[c]) estimate_[c] = curve, another = true;
+  }
+  return another;
 }
 
 void FieldFit::restart() {

@@ -87,6 +87,8 @@ class FieldFit {
     std::optional<StepState> state;  // before them
   };
 
+  // Whether the estimate is another one than when it was last asked for.
+  bool became_another(const Response& response);
   void make_ready();
   void begin_on_gpu();
   Result<void> gradients();
@@ -112,7 +114,7 @@ class FieldFit {
   StepSums sums_;                    // of the step
   std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
-  std::array<Response::Curve, 3> estimate_{};  // of the response, at the newest frame
+  std::array<Response::Curve, 3> estimate_{};  // of the response, that a fit which refines it began with
   bool ready_ = false;                         // for steps on the newest frame
   CpuFit cpu_;
   std::unique_ptr<VulkanFit> gpu_;  // null: the CPU takes the steps

@@ -46,6 +46,14 @@ PoseFit fit_pose(const std::vector<ScenePoint>& points, const RigidTransform& st
   return PoseFitter(pool).fit(points, kLens, start, options, depths);
 }
 
+// The headings of points of which no depth is known.
+std::vector<Heading> headings_of(std::vector<ScenePoint> points, int count) {
+  for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
+  auto depths = priors(points);
+  const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
+  return search_headings(points, kLens, turned.T_camera_world, count);
+}
+
 }  // namespace
 
 TEST_CASE("known depths give the pose with its scale, outliers or not", "[pose]") {
@@ -123,10 +131,7 @@ TEST_CASE("nothing seen leaves the pose as it was", "[pose]") {
 TEST_CASE("the heading is found without any depth", "[pose]") {
   std::vector<double> truth;
   auto points = scene(0, 4, truth);
-  for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
-  auto depths = priors(points);
-  const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
-  const auto headings = search_headings(points, kLens, turned.T_camera_world, 4);
+  const auto headings = headings_of(std::move(points), 4);
   REQUIRE(headings.size() >= 4);
   double best = -1;
   for (const Heading& heading : headings)
@@ -137,10 +142,7 @@ TEST_CASE("the heading is found without any depth", "[pose]") {
 TEST_CASE("behind a sideways heading stands its opposite, near for far", "[pose]") {
   std::vector<double> truth;
   auto points = scene(0, 0, truth);
-  for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
-  auto depths = priors(points);
-  const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
-  auto headings = search_headings(points, kLens, turned.T_camera_world, 1);
+  auto headings = headings_of(std::move(points), 1);
   REQUIRE(headings.size() == 2);
   const auto along_truth = [](const Heading& heading) {
     return heading.T_camera_world.t.normalized().dot(kTruth.t.normalized());
