@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 
@@ -30,6 +31,14 @@ Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths&
   return {};
 }
 
+// What stands at an output's name: of a model's folder, which is made before its files, at that of its first
+// file. Nothing where it cannot be told.
+FileFacts standing_at(Storage& storage, const SinkKind& kind, const std::string& path) {
+  const bool model = kind.target == SinkTarget::Model;
+  const auto facts = storage.look_at(model ? fmt::format("{}/{}", path, kColmapFiles.front()) : path);
+  return facts ? facts.value() : FileFacts{};
+}
+
 }  // namespace
 
 PicturePatterns patterns_of(const Paths& paths) {
@@ -47,6 +56,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
     const auto path = paths.find(kind.name);
     if (path == paths.end() || path->second.empty()) continue;
     Open open{.kind = &kind, .path = path->second};
+    if (kind.target != SinkTarget::Address) open.earlier = standing_at(request.storage, kind, open.path);
     SinkRequest its = request;
     its.path = path->second;
     its.patterns = patterns_of(paths);
@@ -102,6 +112,13 @@ Result<void> SinkSet::noted(Result<void> done, Open& open) {
   return done;
 }
 
+// A file is replaced by another one (FileInMaking): one of an earlier run that this one left alone is the
+// same.
+bool SinkSet::is_written(const Open& open, Storage& storage) {
+  const FileFacts now = standing_at(storage, *open.kind, open.path);
+  return now.kind != FileKind::Missing && (now.kind != FileKind::Regular || !same_file(now, open.earlier));
+}
+
 std::string SinkSet::whole_outputs(Storage& storage) const {
   std::string text;
   for (const Open& open : open_) {
@@ -109,7 +126,7 @@ std::string SinkSet::whole_outputs(Storage& storage) const {
     const SinkTimes times = times_of(open);
     const bool numbered = open.kind->extension != nullptr && FramePattern::is_one(open.path);
     const bool some = times.frames + times.left_out > 0;
-    if (numbered ? !some : open.failed || !is_there(storage, open.path)) continue;
+    if (numbered ? !some : open.failed || !is_written(open, storage)) continue;
     text += numbered ? fmt::format("{}: {}", open.path, counted(times.frames, "frame")) : open.path;
     if (numbered && times.left_out > 0) text += fmt::format(", {} left out to keep up", times.left_out);
     text += '\n';

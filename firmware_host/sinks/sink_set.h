@@ -35,7 +35,8 @@ class SinkSet {
   Result<void> conclude(const RunRecord& record);
 
   // One line for each output that is whole: where it is, and how many frames. Of numbered frames each is a
-  // file of its own, so that those before a failure count. storage: that of the request.
+  // file of its own, so that those before a failure count. What an earlier run left is none. storage: that of
+  // the request.
   std::string whole_outputs(Storage& storage) const;
   bool empty() const { return open_.empty(); }
   bool has_previews() const;
@@ -49,10 +50,12 @@ class SinkSet {
     const AsyncSink* async = nullptr;  // the same one, where it has a thread
     SinkTimes here = {};               // where it has none
     int left_out = 0;                  // frames that emit() kept from it
+    FileFacts earlier = {};            // what stood at its name before
     bool failed = false;
   };
   static Result<void> noted(Result<void> done, Open& open);  // done, and open.failed where it is an error
   static SinkTimes times_of(const Open& open);
+  static bool is_written(const Open& open, Storage& storage);  // by this run
 
   std::vector<Open> open_;
 };

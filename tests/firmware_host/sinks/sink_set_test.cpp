@@ -152,3 +152,21 @@ TEST_CASE(
   CHECK(patterns_of({{"frames", "50%.mp4"}, {"preview", "p/%06d.png"}}).pictures == "p/%06d.png");
   CHECK(patterns_of({{"frames", "50%/%06d.exr"}, {"preview", "p/%06d.png"}}).pictures == "50%/%06d.exr");
 }
+
+TEST_CASE("an earlier run's file that this run did not replace is not told as one of this run") {
+  const std::string folder = sample::scratch_folder("sink_set_earlier");
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  const std::map<std::string, std::string, std::less<>> paths = {
+      {"frames", folder + "/out.mkv"}, {"preview", folder + "/%06d.png"}, {"colmap", folder + "/model"}};
+  REQUIRE(write_whole(posix_storage(), folder + "/out.mkv", {}).ok());
+  auto stopped = SinkSet::open(sink_kinds(), paths, request, RunPace::Clip);
+  REQUIRE(stopped.ok());
+  REQUIRE(stopped.value().finish().ok());
+  CHECK(stopped.value().whole_outputs(posix_storage()).empty());
+
+  auto replaces = SinkSet::open(kKinds, {{"light", folder + "/out.mkv"}}, request, RunPace::Clip);
+  REQUIRE(replaces.ok());
+  REQUIRE(replaces.value().finish().ok());
+  CHECK(replaces.value().whole_outputs(posix_storage()) == folder + "/out.mkv\n");
+}
