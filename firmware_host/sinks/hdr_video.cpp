@@ -160,10 +160,9 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
                              "out.mp4 or out.mkv, or give another codec",
                              path)};
   TRY(make_folder_of(storage, path));
-  const bool pipe = TRY(storage.look_at(path)).kind == FileKind::Other;
+  VideoTarget target = TRY(VideoTarget::at(storage, path));
   VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options), .container = *container};
   format.bits = format.codec == VideoCodec::H264 ? 8 : 10;
-  VideoTarget target(storage, path, pipe ? StorageStream::Direction::Pipe : StorageStream::Direction::Write);
   return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(std::move(target), format, options, holds));
 }
 

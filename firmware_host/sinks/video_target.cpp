@@ -2,13 +2,24 @@
 
 namespace hdrcam {
 
+Result<VideoTarget> VideoTarget::at(Storage& storage, const std::string& path) {
+  VideoTarget target;
+  if (TRY(storage.look_at(path)).kind == FileKind::Other)
+    target.storage_ = &storage, target.path_ = path;
+  else
+    target.making_.emplace(TRY(FileInMaking::beside(storage, path)));
+  return target;
+}
+
 Result<std::unique_ptr<VideoWriter>> VideoTarget::open(const VideoFormat& format) {
-  if (direction_ == StorageStream::Direction::Pipe)
+  using Direction = StorageStream::Direction;
+  if (!making_)
     return VideoWriter::create(storage_ == nullptr ? std::move(pipe_) : TRY(storage_->create(path_)),
-                               direction_, format);
-  FileInMaking making = TRY(FileInMaking::beside(*storage_, path_));
+                               Direction::Pipe, format);
+  FileInMaking making = *std::move(making_);
   auto file = TRY(making.create());
-  auto writer = TRY(VideoWriter::create(std::move(file), direction_, format));
+  TRY(file->hold());
+  auto writer = TRY(VideoWriter::create(std::move(file), Direction::Write, format));
   TRY(making.commit(Durability::WrittenBack));
   return writer;
 }

@@ -1,8 +1,10 @@
 // Where a video goes: a file, or a pipe that is open already. A file is made with the first frame: a run
-// without any leaves none, and an earlier video stays as it is. Thread-bound.
+// without any leaves none, and an earlier video stays as it is. What another program wrote since the target
+// was named is never replaced, nor what it still writes. Thread-bound.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,19 +17,21 @@ namespace hdrcam {
 class VideoTarget {
  public:
   explicit VideoTarget(std::unique_ptr<StorageFile> pipe) : pipe_(std::move(pipe)) {}
-  // The storage outlives the target.
-  VideoTarget(Storage& storage, std::string path, StorageStream::Direction direction)
-      : storage_(&storage), path_(std::move(path)), direction_(direction) {}
+  // A regular file, or a FIFO or a device, which is written through. The storage outlives the target. Errors:
+  // those of the storage.
+  static Result<VideoTarget> at(Storage& storage, const std::string& path);
 
   // Once. What the codec or the disk refuses leaves no file, and an earlier video as it is. Errors: those of
   // the storage and of the codec.
   Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format);
 
  private:
-  std::unique_ptr<StorageFile> pipe_;
-  Storage* storage_ = nullptr;  // null for a pipe that is open already
+  VideoTarget() = default;
+
+  std::unique_ptr<StorageFile> pipe_;  // that is open already, or
+  std::optional<FileInMaking> making_;
+  Storage* storage_ = nullptr;  // of a FIFO or a device at the path
   std::string path_;
-  StorageStream::Direction direction_ = StorageStream::Direction::Pipe;
 };
 
 }  // namespace hdrcam

@@ -299,7 +299,8 @@ TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, 
   const std::string folder = sample::scratch_folder("video_refused"), path = folder + "/x.mp4",
                     earlier = "an earlier video";
   const auto opened = [](Storage& storage, const std::string& file, int width_px) {
-    return VideoTarget(storage, file, StorageStream::Direction::Write)
+    return VideoTarget::at(storage, file)
+        .value()
         .open({.width_px = width_px, .height_px = 64, .bits = 8, .codec = VideoCodec::H264});
   };
   REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(earlier))).ok());
@@ -313,6 +314,22 @@ TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, 
   CHECK_FALSE(opened(posix_storage(), folder + "/none.mp4", 1 << 20).ok());
   CHECK(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()) ==
         1);
+}
+
+TEST_CASE("a video that another program makes is not replaced, neither a new one nor one that is not whole") {
+  const std::string path = sample::scratch_folder("video_of_another") + "/x.mp4";
+  const HdrFrame frame = wedge(0);
+  const ExposedFrame input;
+  const FrameRecord record;
+  const EmittedFrame first{frame, input, record};
+  const auto ours = create_hdr_video(posix_storage(), path, kFramerate_hz, {}).value();
+  const auto another = create_hdr_video(posix_storage(), path, kFramerate_hz, {}).value();
+  REQUIRE(another->emit(first).ok());
+  CHECK(sample::error_of(ours->emit(first)).code == ErrorCode::Exists);
+  const auto later = create_hdr_video(posix_storage(), path, kFramerate_hz, {}).value();
+  CHECK(sample::error_of(later->emit(first)).code == ErrorCode::Busy);
+  REQUIRE(another->finish().ok());
+  CHECK(test::decoded_video(path).frames.size() == 1);
 }
 
 TEST_CASE("a full disk is an error, and what was written before it plays") {
