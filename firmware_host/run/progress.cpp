@@ -57,10 +57,12 @@ void StatusLine::show(const std::string& words, Clock::time_point now) {
     std::fputs((words + "\n").c_str(), stream_);
   } else {
     // No wider than the terminal, where a line that wraps would stay; blanks overwrite the rest of a longer
-    // one.
+    // one, which the terminal has cut where it became narrower.
     const auto columns = static_cast<std::size_t>(std::max(0, columns_of(stream_)));
-    const std::string shown = columns > 1 ? words.substr(0, columns - 1) : words;
-    std::fputs(fmt::format("\r{:<{}}", shown, std::max(shown_width_, shown.size())).c_str(), stream_);
+    const std::size_t most = columns > 1 ? columns - 1 : std::string::npos;
+    const std::string shown = words.substr(0, most);
+    const std::size_t width = std::min(std::max(shown_width_, shown.size()), most);
+    std::fputs(fmt::format("\r{:<{}}", shown, width).c_str(), stream_);
     shown_width_ = shown.size();
   }
   std::fflush(stream_);

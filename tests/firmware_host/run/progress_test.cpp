@@ -1,6 +1,7 @@
 #include "firmware_host/run/progress.h"
 
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -50,13 +51,17 @@ TEST_CASE("on a terminal the line is no wider than the terminal, and one line st
     StatusLine line(terminal.get());
     line.show("frame 12/48  61 ms/frame  loss 0.021  ETA 00:03");
     line.show("short");
+    line.show("frame 13/48  61 ms/frame");
+    size.ws_col = 10;
+    REQUIRE(ioctl(master, TIOCSWINSZ, &size) == 0);
+    line.show("narrower");
   }
   std::string shown;
   char part[64];
   for (ssize_t bytes = 0; (bytes = read(master, part, sizeof part)) > 0;)  // ends with EIO: nobody writes
     shown.append(part, static_cast<std::size_t>(bytes));
   close(master);
-  CHECK(shown == "\rframe 12/48  61 ms/\rshort              \r\n");
+  CHECK(shown == "\rframe 12/48  61 ms/\rshort              \rframe 13/48  61 ms/\rnarrower \r\n");
 }
 
 TEST_CASE("away from a terminal there is one plain line a second and one for the last frame") {
