@@ -49,7 +49,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   TRY(admit_parts(
       settings,
       fmt::format("a stream of {}x{}{}", mode.width, mode.height, limits.fits ? " with its fit" : ""),
-      capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames) +
+      capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames, LiveOptions::kMostFrames) +
           (limits.fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
           (simulated ? simulator_bytes(mode.width, mode.height) : 0)));
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,

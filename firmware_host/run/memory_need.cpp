@@ -63,11 +63,13 @@ std::uint64_t method_bytes(int width, int height, const Settings& settings, Fiel
   return per_pixel * pixels(width, height) + scene;
 }
 
-std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {
+std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,
+                            int most_waiting) {
   constexpr std::uint64_t kBytes = 3 * sizeof(std::uint16_t);  // of a pixel, at most
   const std::uint64_t frame = kBytes * pixels(width, height);
-  const std::uint64_t waiting = std::max(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
-                                         frame * static_cast<std::uint64_t>(fewest_waiting));
+  const std::uint64_t waiting = std::clamp(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
+                                           frame * static_cast<std::uint64_t>(fewest_waiting),
+                                           frame * static_cast<std::uint64_t>(most_waiting));
   return waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
          kCodec * pixels(width, height);
 }

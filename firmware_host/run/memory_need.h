@@ -23,8 +23,9 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
 std::uint64_t method_bytes(int width, int height, const Settings& settings, FieldUse use);
 // The outputs alone, of pictures of this size.
 std::uint64_t sink_bytes(int width, int height, const Settings& settings);
-// A camera's buffers, and the frames that wait for the disk, at least so many.
-std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting);
+// A camera's buffers, and the frames that wait for the disk, at least and at most so many.
+std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,
+                            int most_waiting);
 // The simulated sensor with its scene.
 std::uint64_t simulator_bytes(int width, int height);
 

@@ -115,6 +115,20 @@ void check_taken(int width, int height, int frames, EmitLayer emit, std::vector<
 
 }  // namespace
 
+TEST_CASE("frames that wait for the disk are estimated as far as there are any, whatever is allowed them") {
+  constexpr int kFewest = 12, kMost = 4096;
+  const auto needed = [](int width, int height, int memory_mib) {
+    Settings settings;
+    settings.record.memory_mib = memory_mib;
+    return capture_bytes(width, height, settings, kFewest, kMost);
+  };
+  constexpr std::uint64_t kFrame = 64 * 48 * 3 * sizeof(std::uint16_t);
+  CHECK(needed(64, 48, 65536) == needed(64, 48, 256));
+  CHECK(needed(64, 48, 256) - needed(64, 48, 1) == kMost * kFrame - (1U << 20));
+  CHECK(needed(640, 480, 512) - needed(640, 480, 256) == 256U << 20);
+  CHECK(needed(1920, 1080, 1) == needed(1920, 1080, 2));
+}
+
 TEST_CASE(
     "an honest recording of 320x240 takes less than 160 MB and one of 640x480 less than 256 MB, no more than "
     "was "
