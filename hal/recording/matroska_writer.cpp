@@ -81,7 +81,10 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
   std::unique_ptr<MatroskaWriter> writer(
       new MatroskaWriter(std::move(making), std::move(file), std::move(encoder)));
   if (there == FileKind::Missing) writer->naming_ = Durability::WrittenBack;  // there is nothing to lose
-  TRY(writer->write_header(camera));
+  if (const auto begun = writer->write_header(camera); !begun) {
+    if (how == Creation::New) (void)storage.remove(path);  // an empty file is no recording
+    return begun.error();
+  }
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
 

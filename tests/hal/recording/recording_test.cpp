@@ -233,6 +233,18 @@ TEST_CASE(
   CHECK(files() == 1);
 }
 
+TEST_CASE("a new recording for which the disk has no room leaves no file, and an earlier one stays") {
+  const std::string folder = sample::scratch_folder("no_room"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  FaultyStorage full(posix_storage(), {.space_bytes = 0});
+  const auto begun = [&] { return create_recording(full, path, camera, Creation::New); };
+  require_error(begun(), ErrorCode::NoSpace);
+  CHECK(std::filesystem::is_empty(folder));
+  require_done(sample::record(posix_storage(), path, camera, sample::frames(camera, 1, 1)));
+  require_error(begun(), ErrorCode::Exists);
+  CHECK(sample::replay(posix_storage(), path).frames.size() == 1);
+}
+
 TEST_CASE("an error in the middle of a recording names the file that was asked for") {
   const std::string path = sample::scratch_folder("named") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
