@@ -7,6 +7,13 @@
 
 namespace hdrcam {
 
+Result<void> SceneKeeper::name_file(Storage& storage, const std::string& path) {
+  storage_ = &storage, path_ = path;
+  if (TRY(storage.look_at(path)).kind != FileKind::Other)
+    making_.emplace(TRY(FileInMaking::beside(storage, path)));
+  return {};
+}
+
 void SceneKeeper::take(const HdrFrame& frame, const FrameEstimate& estimate) {
   Kept next;
   if (kept_.size() == most_) {
@@ -23,8 +30,12 @@ void SceneKeeper::take(const HdrFrame& frame, const FrameEstimate& estimate) {
                                 const PathPose& pose) { return pose.time_s < reach_s; });
 }
 
-Result<void> SceneKeeper::save(Storage& storage, const std::string& path, const CameraFacts& camera,
-                               const Response& response) {
+Result<SceneWriter> SceneKeeper::open_file(const Response& response) {
+  if (!making_) return SceneWriter::create(*storage_, path_, head_, response);
+  return SceneWriter::create(*std::move(making_), head_, response);
+}
+
+Result<void> SceneKeeper::save(const CameraFacts& camera, const Response& response) {
   if (kept_.empty()) return {};
   head_.program = fmt::format("hdrcam {}", kVersion);
   head_.camera = camera;
@@ -36,7 +47,7 @@ Result<void> SceneKeeper::save(Storage& storage, const std::string& path, const 
     fields.push_back(std::move(kept.field));
   }
   kept_.clear();
-  SceneWriter writer = TRY(SceneWriter::create(storage, path, head_, response));
+  SceneWriter writer = TRY(open_file(response));
   for (std::size_t i = 0; i < fields.size(); ++i) {
     Keyframe& key = head_.frames[i];
     maker_.complete(fields[i], i > 0 ? &head_.frames[i - 1] : nullptr, key);

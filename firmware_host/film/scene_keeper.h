@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "firmware_host/film/scene_snapshot.h"
@@ -16,13 +17,15 @@ class SceneKeeper {
   // frames: how many of the last are kept, 1.. The pool outlives the keeper, and the fields of the run do.
   SceneKeeper(int frames, WorkerPool& pool) : most_(static_cast<std::size_t>(frames)), maker_(pool) {}
 
+  // Where it is saved: what another program writes there from now on is not replaced. Once, before save().
+  // The storage outlives the keeper. Errors: those of the disk.
+  Result<void> name_file(Storage& storage, const std::string& path);
   // The run's first frame, emitted or not.
   void begin(Instant first) { head_.first = first; }
   void take(const HdrFrame& frame, const FrameEstimate& estimate);
   int frames() const { return static_cast<int>(kept_.size()); }
   // Writes the file and forgets all frames; nothing where there are none. Errors: those of the disk.
-  Result<void> save(Storage& storage, const std::string& path, const CameraFacts& camera,
-                    const Response& response);
+  Result<void> save(const CameraFacts& camera, const Response& response);
 
  private:
   struct Kept {
@@ -30,10 +33,15 @@ class SceneKeeper {
     SnapshotHold field;  // of its moment
   };
 
+  Result<SceneWriter> open_file(const Response& response);
+
   const std::size_t most_;
   KeyframeMaker maker_;
   SceneHead head_;
   std::deque<Kept> kept_;
+  Storage* storage_ = nullptr;
+  std::string path_;
+  std::optional<FileInMaking> making_;  // none of a device
 };
 
 // Memory for such frames of pictures of this size, and for the fields' snapshots of their moments.

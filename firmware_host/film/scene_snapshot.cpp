@@ -175,7 +175,16 @@ FilmedRecording filmed(const SceneHead& scene) {
 
 Result<SceneWriter> SceneWriter::create(Storage& storage, const std::string& path, const SceneHead& head,
                                         const Response& response) {
-  SceneWriter writer(TRY(SectionWriter::create(storage, path, kFormat)));
+  return begun(TRY(SectionWriter::create(storage, path, kFormat)), head, response);
+}
+
+Result<SceneWriter> SceneWriter::create(FileInMaking making, const SceneHead& head,
+                                        const Response& response) {
+  return begun(TRY(SectionWriter::create(std::move(making), kFormat)), head, response);
+}
+
+Result<SceneWriter> SceneWriter::begun(SectionWriter file, const SceneHead& head, const Response& response) {
+  SceneWriter writer(std::move(file));
   FieldsOut fields;
   fields(head);
   TRY(writer.file_.add(kHead, fields.bytes()));

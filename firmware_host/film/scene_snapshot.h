@@ -67,11 +67,15 @@ class SceneWriter {
   // The storage outlives the writer. Errors of all: those of SectionWriter.
   static Result<SceneWriter> create(Storage& storage, const std::string& path, const SceneHead& head,
                                     const Response& response);
+  // The same of a file that was begun before.
+  static Result<SceneWriter> create(FileInMaking making, const SceneHead& head, const Response& response);
   Result<void> add(const Keyframe& frame);
   Result<void> finish(const ExposedFrame& input, const SnapshotHold& field);
 
  private:
   explicit SceneWriter(SectionWriter file) : file_(std::move(file)) {}
+  static Result<SceneWriter> begun(SectionWriter file, const SceneHead& head, const Response& response);
+
   SectionWriter file_;
 };
 

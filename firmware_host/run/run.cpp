@@ -149,6 +149,7 @@ Result<void> Run::open_outputs() {
                              {"", filming, output.layers, compression_of(output, pace_), plan_.settings.video,
                               storage_, output.http_token, source_.control(), plan_.trace},
                              pace_));
+  if (scene_) TRY(scene_->name_file(storage_, output.path(Settings::Output::kSnapshot)));
   if (!plan_.truth.empty())
     novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path("frames")), pool_));
   return {};
@@ -222,7 +223,7 @@ Result<void> Run::save_scene() {
   if (!scene_ || scene_->frames() == 0) return {};
   const std::string& path = plan_.settings.output.path(Settings::Output::kSnapshot);
   const std::string frames = counted(scene_->frames(), "frame");
-  TRY(scene_->save(storage_, path, camera_, sensor().camera_response()));
+  TRY(scene_->save(camera_, sensor().camera_response()));
   record_.notes.push_back(fmt::format("snapshot: the scene of the last {}", frames));
   saved_ = fmt::format("{}: the scene of the last {}\n", path, frames);
   return {};

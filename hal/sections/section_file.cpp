@@ -40,18 +40,23 @@ std::string text_of(const std::array<char, kNameLength>& name) {
 
 Result<SectionWriter> SectionWriter::create(Storage& storage, const std::string& path,
                                             const SectionFormat& format) {
-  std::optional<FileInMaking> making;
-  std::unique_ptr<StorageFile> file;
-  if (TRY(storage.look_at(path)).kind == FileKind::Other) {
-    file = TRY(storage.create(path));
-  } else {
-    making.emplace(TRY(FileInMaking::beside(storage, path)));
-    file = TRY(making->create());
-  }
-  SectionWriter writer(std::move(making), std::move(file));
-  TRY(writer.append(std::as_bytes(std::span(format.magic))));
-  TRY(writer.append(std::as_bytes(std::span(&format.version, 1))));
+  if (TRY(storage.look_at(path)).kind != FileKind::Other)
+    return create(TRY(FileInMaking::beside(storage, path)), format);
+  SectionWriter writer(std::nullopt, TRY(storage.create(path)));
+  TRY(writer.begin(format));
   return writer;
+}
+
+Result<SectionWriter> SectionWriter::create(FileInMaking making, const SectionFormat& format) {
+  auto file = TRY(making.create());
+  SectionWriter writer(std::move(making), std::move(file));
+  TRY(writer.begin(format));
+  return writer;
+}
+
+Result<void> SectionWriter::begin(const SectionFormat& format) {
+  TRY(append(std::as_bytes(std::span(format.magic))));
+  return append(std::as_bytes(std::span(&format.version, 1)));
 }
 
 Result<void> SectionWriter::append(Bytes bytes) {

@@ -34,6 +34,8 @@ class SectionWriter {
   // The file gets its name with finish(); until then an earlier one stays. A device or a FIFO is written
   // through. The storage outlives the writer. Errors: those of the disk.
   static Result<SectionWriter> create(Storage& storage, const std::string& path, const SectionFormat& format);
+  // The same of a file that was begun before.
+  static Result<SectionWriter> create(FileInMaking making, const SectionFormat& format);
 
   // name: 1 to 16 ASCII characters; parts: the content, in pieces. Errors: NoSpace, Io.
   Result<void> add(std::string_view name, std::span<const Bytes> parts);
@@ -44,6 +46,7 @@ class SectionWriter {
  private:
   SectionWriter(std::optional<FileInMaking> making, std::unique_ptr<StorageFile> file)
       : making_(std::move(making)), file_(std::move(file)) {}
+  Result<void> begin(const SectionFormat& format);
   Result<void> append(Bytes bytes);
 
   std::optional<FileInMaking> making_;  // none for a device

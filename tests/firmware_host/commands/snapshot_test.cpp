@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/exit_code.h"
+#include "hal/forwarding_storage.h"
 #include "hal/recording/recording.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/moving_scene.h"
@@ -226,6 +227,28 @@ TEST_CASE("a snapshot takes the place of an earlier one with --force only, and o
   words = {"replay", saved().clip, "--preset", "fast", "--snapshot", scene, "--force"};
   CHECK(ran_here(words).exit_code == 0);
   CHECK(ran_here({"info", scene}).exit_code == 0);
+}
+
+TEST_CASE("a scene that another program saved during the run stays, and so does that of the run", "[film]") {
+  const std::string folder = sample::scratch_folder("snapshot_of_another"), scene = folder + "/s.hdrscene";
+  // With the first frame of the run the other program writes its scene.
+  class Shared : public ForwardingStorage {
+   public:
+    explicit Shared(std::string path) : ForwardingStorage(posix_storage()), path_(std::move(path)) {}
+    Result<void> rename(const std::string& from, const std::string& to) override {
+      if (to.ends_with(".exr") && !fs::exists(path_)) write_file(path_, "another scene");
+      return ForwardingStorage::rename(from, to);
+    }
+
+   private:
+    const std::string path_;
+  } shared(scene);
+  const RanHere run = ran_here(
+      {"replay", saved().clip, "--emit", "state", "-o", folder + "/%06d.exr", "--snapshot", scene}, shared);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::Exists));
+  CHECK_THAT(run.err, Contains("was written by another program meanwhile"));
+  CHECK(text_of(scene) == "another scene");
+  CHECK(sample::unfinished_files_in(folder) == 1);
 }
 
 TEST_CASE("a run without a field saves a scene that is filmed from its own camera only", "[film]") {
