@@ -138,6 +138,21 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("of raw pictures that have nothing in common the clipped one is the brighter one, too") {
+  constexpr int kBits = 12, kMost = (1 << kBits) - 1;
+  const Photometer photometer(PhotometricResponse::linear(BlackLevel(16)));
+  const auto picture_of = [&](int code) {
+    Image<std::uint16_t> codes(1, 48, 64);
+    codes.fill(static_cast<std::uint16_t>(code));
+    PhotometricSignature picture;
+    photometer.observe(codes, PixelLayout::BayerRggb, kBits, picture);
+    return picture;
+  };
+  const PhotometricSignature dim = picture_of(kMost / 4), bright = picture_of(kMost);
+  CHECK(rough_step(dim, bright).log_ratio > 1);
+  CHECK(rough_step(bright, dim).log_ratio < -1);
+}
+
 TEST_CASE("a right order is right though frames are black") {
   const auto& cycle = kCycles[1];
   for (const std::vector<std::size_t>& black : {std::vector<std::size_t>{5}, {11, 20, 38}})

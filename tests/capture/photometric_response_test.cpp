@@ -27,6 +27,17 @@ TEST_CASE("a black level does not make processed codes linear", "[capture]") {
   CHECK(ratio_of(stated, 66, 116) == ratio_of(not_stated, 66, 116));
 }
 
+TEST_CASE("the exposure of raw codes is relative to that of the largest code, whatever their black level",
+          "[capture]") {
+  for (const float black : {0.f, 16.f, 40.f}) {
+    const auto response = PhotometricResponse::before_any_fit(true, BlackLevel(black));
+    for (const float share : {0.25f, 0.5f, 0.9f}) {
+      CAPTURE(black, share);
+      CHECK(response.log_exposure(black + share * (255 - black)) == Approx(std::log(share)));
+    }
+  }
+}
+
 TEST_CASE("codes that are too dark or may be clipped have no exposure", "[capture]") {
   const auto response = PhotometricResponse::before_any_fit(true, BlackLevel(16));
   CHECK(response.log_exposure(17) < -1e30f);
