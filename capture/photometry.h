@@ -49,7 +49,8 @@ class Photometer {
   explicit Photometer(const PhotometricResponse& response) : response_(response) {}
 
   const PhotometricResponse& response() const { return response_; }
-  // Earlier signatures use the old response: do not compare them with later ones.
+  // Earlier signatures use the old response: do not compare them with later ones, unless both are of one
+  // linear sensor, each with the black level of its picture.
   void set_response(const PhotometricResponse& response) { response_ = response; }
 
   // codes: [channels(layout), rows, cols] of `bits` bits. Colour pictures are measured in green.

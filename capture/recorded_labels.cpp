@@ -85,8 +85,7 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
   if (frames.empty()) return;
-  photometer_.set_response(
-      PhotometricResponse::before_any_fit(camera_.linear, frames.front().raw.facts.black_level));
+  black_level_ = frames.front().raw.facts.black_level;
   for (const CapturedFrame& frame : frames)
     if (judgeable(frame.raw.facts)) learn_cycle(frame.raw.facts);
   std::vector<Judgement> by_later(frames.size());
@@ -94,7 +93,7 @@ void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
   for (std::size_t i = frames.size(); i-- > 0;) {
     const auto evidence = evidence_of(frames[i].raw.facts);
     if (!evidence) continue;
-    photometer_.observe(frames[i].raw.codes, camera_.layout, camera_.bits, picture_);
+    look_at(frames[i].raw);
     by_later[i] = backwards.judge(*evidence, picture_, photometer_);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -115,11 +114,18 @@ void RecordedLabels::judge(CapturedFrame& frame) {
   finish(frame, judgement, interval);
 }
 
+// Raw stills of different gains may have different black levels.
+void RecordedLabels::look_at(const RawFrame& raw) {
+  const auto& own = raw.facts.black_level;
+  photometer_.set_response(PhotometricResponse::before_any_fit(camera_.linear, own ? own : black_level_));
+  photometer_.observe(raw.codes, camera_.layout, camera_.bits, picture_);
+}
+
 // Returns an empty judgement for a frame that cannot be judged.
 Judgement RecordedLabels::judge_forward(const CapturedFrame& frame) {
   const auto evidence = evidence_of(frame.raw.facts);
   if (!evidence) return last_exposure_.reset(), Judgement{};
-  photometer_.observe(frame.raw.codes, camera_.layout, camera_.bits, picture_);
+  look_at(frame.raw);
   const Judgement judgement = proof_.judge(*evidence, picture_, photometer_);
   check_order(frame.raw.facts);
   return judgement;

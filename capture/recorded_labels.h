@@ -66,6 +66,7 @@ class RecordedLabels {
 
   std::optional<FrameEvidence> evidence_of(const FrameFacts& facts) const;
   void learn_cycle(const FrameFacts& facts);
+  void look_at(const RawFrame& raw);
   Judgement judge_forward(const CapturedFrame& frame);
   void settle(CapturedFrame& frame, const Judgement& judgement);
   void relabel(FrameFacts& facts, const Judgement& judgement);
@@ -74,6 +75,7 @@ class RecordedLabels {
   void finish(CapturedFrame& frame, const Judgement& judgement, std::optional<Duration> interval);
 
   const CameraFacts camera_;
+  std::optional<BlackLevel> black_level_;  // of frames that state none: the first one's
   Photometer photometer_;
   PhotometricSignature picture_;
   std::optional<Exposure> last_exposure_;  // of the frame before, where it was judged and has a label

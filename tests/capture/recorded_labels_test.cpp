@@ -53,9 +53,9 @@ struct Judged {
   std::optional<Error> error;
 };
 
-Judged judged(const test::MovingScene& scene, std::vector<RawFrame> frames,
+Judged judged(const CameraFacts& camera, std::vector<RawFrame> frames,
               Contradiction contradiction = Contradiction::Warns) {
-  RecordingStage stage(std::make_unique<Reel>(scene.camera(), std::move(frames)), contradiction);
+  RecordingStage stage(std::make_unique<Reel>(camera, std::move(frames)), contradiction);
   Judged result;
   for (CapturedFrame frame;;) {
     const auto more = stage.next(frame);
@@ -66,6 +66,11 @@ Judged judged(const test::MovingScene& scene, std::vector<RawFrame> frames,
   result.counters = stage.counters();
   result.warnings = stage.warnings();
   return result;
+}
+
+Judged judged(const test::MovingScene& scene, std::vector<RawFrame> frames,
+              Contradiction contradiction = Contradiction::Warns) {
+  return judged(scene.camera(), std::move(frames), contradiction);
 }
 
 // The frame that gets the label of frame `index`.
@@ -161,6 +166,23 @@ TEST_CASE(
   const Judged right = judged(scene, filmed(scene, 24), Contradiction::Fails);
   CHECK_FALSE(right.error);
   CHECK(right.warnings.empty());
+}
+
+TEST_CASE("raw frames are judged by the black level that each of them states", "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  scene.gamma = 1, scene.full_well = 0;
+  CameraFacts camera = scene.camera();
+  camera.linear = true;
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 24; ++i) {
+    scene.black_level = i % 3 == 0 ? 40 : 8;
+    frames.push_back(scene.frame(i));
+    frames.back().facts.black_level = BlackLevel(static_cast<float>(scene.black_level));
+  }
+  const Judged result = judged(camera, std::move(frames));
+  CHECK(result.facts.size() == 24);
+  CHECK(result.counters.contradicted == 0);
+  CHECK(result.warnings.empty());
 }
 
 TEST_CASE("single frames that are black are no objection to the others", "[capture]") {
