@@ -90,7 +90,7 @@ Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
   StageWatch watch(timing_);
   TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
-  if (black_level_) remove_black_level(frame_, *black_level_);
+  if (black_level_) remove_black_level(frame_, raw.facts.black_level.value_or(*black_level_));
   if (is_companded_) compand(frame_);
   ++arrived_;
   watch.lap(Stage::Unpack);

@@ -40,8 +40,9 @@ class ExposedStream {
   const StatedBlack stated_black_;
   const bool is_companded_;
   ExposedFrameSettings settings_;
-  std::optional<BlackLevel> black_level_;  // removed here
-  std::vector<RawFrame> waiting_;          // until the reference is known
+  // removed here, from frames that state none of their own; none: of no frame
+  std::optional<BlackLevel> black_level_;
+  std::vector<RawFrame> waiting_;  // until the reference is known
   bool started_ = false;
   int arrived_ = 0;
   Instant last_time_;

@@ -176,6 +176,30 @@ TEST_CASE("a stated black level is removed, or kept for whoever estimates the re
     REQUIRE(after[i] == Approx(std::max(0.f, (before[i] - 24) * 255 / (255 - 24))).margin(1e-3));
 }
 
+TEST_CASE(
+    "each frame loses its own black level, which may go by its gain; one that states none the first's") {
+  const test::MovingScene scene;
+  const auto handed_by = [&](StatedBlack stated) {
+    ExposedStream stream(scene.camera(), 3, stated);
+    Handed handed;
+    for (int i = 0; i < 4; ++i) {
+      RawFrame frame = scene.frame(i);
+      if (i != 2) frame.facts.black_level = BlackLevel(i % 2 == 0 ? 24 : 40);
+      REQUIRE(stream.take(frame, handed.keep()).ok());
+    }
+    REQUIRE(handed.frames.size() == 4);
+    return handed;
+  };
+  const Handed kept = handed_by(StatedBlack::Kept), removed = handed_by(StatedBlack::Removed);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const float black = i % 2 == 0 ? 24 : 40;
+    const auto before = kept.frames[i].codes.samples(), after = removed.frames[i].codes.samples();
+    CAPTURE(i);
+    for (std::size_t k = 0; k < before.size(); ++k)
+      REQUIRE(after[k] == Approx(std::max(0.f, (before[k] - black) * 255 / (255 - black))).margin(1e-3));
+  }
+}
+
 TEST_CASE("an exposure that cannot be is an error when its frame arrives, even while frames wait") {
   test::MovingScene scene;
   scene.exposures_s = {0.001, std::nan("")};
