@@ -38,13 +38,17 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
   Scan seen;
   seen.camera = footage.camera(), seen.about = footage.about();
   seen.steps.resize(kLags);
-  Photometer photometer(PhotometricResponse::before_any_fit(seen.camera.linear, std::nullopt));
+  const auto response_of = [&](const FrameFacts& facts) {  // each raw still states its own black level
+    return PhotometricResponse::before_any_fit(seen.camera.linear, facts.black_level);
+  };
+  Photometer photometer(response_of({}));
   std::array<PhotometricSignature, kLags + 1> recent;  // by frame number, round and round
   RawFrame frame;
   while (TRY(footage.next(frame))) {
     if (stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {}", seen.facts.size())};
     const std::size_t i = seen.facts.size();
     PhotometricSignature& here = recent[i % recent.size()];
+    photometer.set_response(response_of(frame.facts));
     photometer.observe(frame.codes, seen.camera.layout, seen.camera.bits, here);
     for (std::size_t lag = 1; lag <= std::min(kLags, i); ++lag)
       seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));

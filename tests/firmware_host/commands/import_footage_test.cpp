@@ -9,6 +9,7 @@
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/dng_file.h"
 #include "tests/support/footage_files.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/ran.h"
@@ -277,6 +278,27 @@ TEST_CASE("with no exposures at all the ratios are estimated, and the recording 
           Approx(brighter ? 2 : -4).margin(brighter ? 1 : 2));  // relative, under a response nobody knows
     CHECK(replayed.frames[i + 3].facts.exposure_s == a.exposure_s);
   }
+}
+
+TEST_CASE("the ratios of raw stills are estimated above the black level that they state") {
+  const std::string folder = sample::scratch_folder("import_raw_black");
+  FootageRequest request{.files = {}, .shutter = kAutoShutter, .gain = ""};
+  for (int i = 0; i < 12; ++i) {
+    test::DngStill still;
+    still.black = 512;  // 32 codes of 255: more than is assumed where none is stated
+    still.code_at = [&](int y, int x) {
+      const double light = 0.2 + 0.375 * (std::sin(x * 0.21) * std::cos(y * 0.17) + 1);
+      return static_cast<std::uint16_t>(still.black + std::lround(800 * light * (1 << i % 3)));
+    };
+    request.files.push_back(test::write_dng(fmt::format("{}/{:02}.dng", folder, i), still));
+  }
+  const std::atomic<bool> stop = false;
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  REQUIRE(plan.value().cycle.size() == 3);
+  for (std::size_t slot = 1; slot < 3; ++slot)
+    CHECK(plan.value().cycle[slot].product() / plan.value().cycle[slot - 1].product() ==
+          Approx(2).epsilon(0.03));
 }
 
 TEST_CASE("footage that does not say its exposures is not guessed at") {
