@@ -55,18 +55,19 @@ void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, cons
 
 void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
                           const ShrinkageOptions& options) {
-  const ShrinkageKernels& kernels = shrinkage_kernels();
-  const ShrinkageThresholds thresholds = thresholds_of(options.origin);
-  const ShrinkageGrid grid = grid_of(options.effort);
-  const int rows = radiance.rows(), cols = radiance.cols();
-  const ScratchLease room(pool_.scratch(), rows, cols,
+  const ScratchLease room(pool_.scratch(), radiance.rows(), radiance.cols(),
                           {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
+  to_opponent(radiance, variance, options.offset);
+  shrink_tiles(thresholds_of(options.origin), grid_of(options.effort));
+  to_radiance(options.offset, radiance);
+}
 
-  pool_.for_rows(rows, [&](int y0, int y1) {
+void Shrinkage::to_opponent(const Image<float>& radiance, const Image<float>& variance, float offset) {
+  pool_.for_rows(radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
       OpponentRow row{.radiance = {},
                       .variance = {},
-                      .offset = options.offset,
+                      .offset = offset,
                       .opponent = {},
                       .noise = {},
                       .sum = {},
@@ -76,22 +77,25 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
         row.opponent[c] = opponent_.row(c, y), row.noise[c] = noise_.row(c, y);
         row.sum[c] = sum_.row(c, y), row.weight[c] = weight_.row(c, y);
       }
-      kernels.to_opponent(row, cols);
+      shrinkage_kernels().to_opponent(row, radiance.cols());
     }
   });
+}
 
+void Shrinkage::shrink_tiles(const ShrinkageThresholds& thresholds, const ShrinkageGrid& grid) {
+  const int rows = opponent_.rows(), cols = opponent_.cols();
   const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
   const int last = (rows - kShrinkageTile + grid.line_step - 1) / grid.line_step;
   const auto shrink = [&](int c, int line) {
     const int y = std::min(line * grid.line_step, rows - kShrinkageTile);
     const auto& table = c == 0 ? luminance : chroma;
-    kernels.shrink({.opponent = opponent_.row(c, y),
-                    .noise = noise_.row(c, y),
-                    .thresholds = table.data(),
-                    .first = line < last ? line % 2 * grid.shift : 0,
-                    .cols = cols,
-                    .sum = sum_.row(c, y),
-                    .weight = weight_.row(c, y)});
+    shrinkage_kernels().shrink({.opponent = opponent_.row(c, y),
+                                .noise = noise_.row(c, y),
+                                .thresholds = table.data(),
+                                .first = line < last ? line % 2 * grid.shift : 0,
+                                .cols = cols,
+                                .sum = sum_.row(c, y),
+                                .weight = weight_.row(c, y)});
   };
   // Lines of tiles that are a tile apart do not overlap: passes of independent lines, then the last line if
   // it is out of step.
@@ -100,15 +104,17 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
     pool_.for_each((in_step + passes - pass) / passes * 3,
                    [&](int i) { shrink(i % 3, i / 3 * passes + pass); });
   if (last > in_step) pool_.for_each(3, [&](int c) { shrink(c, last); });
+}
 
-  pool_.for_rows(rows, [&](int y0, int y1) {
+void Shrinkage::to_radiance(float offset, Image<float>& radiance) {
+  pool_.for_rows(radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      SmoothRow row{.sum = {}, .weight = {}, .offset = options.offset, .radiance = {}};
+      SmoothRow row{.sum = {}, .weight = {}, .offset = offset, .radiance = {}};
       for (int c = 0; c < 3; ++c) {
         row.sum[c] = sum_.row(c, y), row.weight[c] = weight_.row(c, y);
         row.radiance[c] = radiance.row(c, y);
       }
-      kernels.to_radiance(row, cols);
+      shrinkage_kernels().to_radiance(row, radiance.cols());
     }
   });
 }

@@ -53,11 +53,15 @@ class Shrinkage {
 
  private:
   void apply_cpu(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
+  // The steps of apply_cpu(), in their order; between them the picture is in the borrowed planes.
+  void to_opponent(const Image<float>& radiance, const Image<float>& variance, float offset);
+  void shrink_tiles(const ShrinkageThresholds& thresholds, const ShrinkageGrid& grid);
+  void to_radiance(float offset, Image<float>& radiance);
   void fall_back_to_cpu(const Error& why);
 
   WorkerPool& pool_;
   std::unique_ptr<VulkanShrinkage> gpu_;
-  Image<float> opponent_, noise_, sum_, weight_;  // borrowed during a call
+  Image<float> opponent_, noise_, sum_, weight_;  // [opponent colours, rows, cols], borrowed during a call
 };
 
 }  // namespace hdrcam
