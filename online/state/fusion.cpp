@@ -92,15 +92,21 @@ void Fusion::model_blur(const RadianceEstimate& state, const Image<float>& flow,
 
 void Fusion::gate(const Seen& seen, const Image<float>& confidence, Image<float>& gate,
                   Image<float>& contrast) {
+  const int rows = seen.state.radiance.rows(), cols = seen.state.radiance.cols();
+  const ScratchLease room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
+  const ScratchLease lines(
+      pool_.scratch(), WorkerPool::bands_of(rows), cols,
+      {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
+  compare(seen, contrast);
+  gate_by_comparison(seen, confidence, gate);
+}
+
+void Fusion::compare(const Seen& seen, Image<float>& contrast) {
   const RadianceEstimate& state = seen.state;
   const Samples& samples = seen.samples;
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
-  const ScratchLease room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
-  const ScratchLease lines(
-      pool_.scratch(), WorkerPool::bands_of(rows), cols,
-      {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
   contrast.reshape_like(state.radiance);
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y), *mean = mean_.row(0, band);
@@ -126,7 +132,13 @@ void Fusion::gate(const Seen& seen, const Image<float>& confidence, Image<float>
                                cols);
     }
   });
+}
 
+void Fusion::gate_by_comparison(const Seen& seen, const Image<float>& confidence, Image<float>& gate) {
+  const RadianceEstimate& state = seen.state;
+  const Samples& samples = seen.samples;
+  const FusionOptions& o = options_;
+  const int rows = state.radiance.rows(), cols = state.radiance.cols();
   gate.reshape(1, rows, cols);
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float *chi2 = disagreement_mean_.row(0, band), *covered = coverage_mean_.row(0, band);

@@ -100,6 +100,11 @@ class Fusion {
   void warp_variance(const Image<float>& flow, int y, float* per_contrast, int intervals = 1) const;
 
  private:
+  // The steps of gate(). The first writes chi^2 and how many channels gave it, [1, rows, cols], and the
+  // contrast; the second weighs their means over 5x5 pixels.
+  void compare(const Seen& seen, Image<float>& contrast);
+  void gate_by_comparison(const Seen& seen, const Image<float>& confidence, Image<float>& gate);
+
   FusionOptions options_;
   WorkerPool& pool_;
   // borrowed during a call
