@@ -14,16 +14,12 @@ void add_capture(KernelTasks& tasks, int rows, int cols) {
   const auto room = std::make_shared<Room>(Room{{1, rows, cols}, {3, rows, cols}});
   Pcg32 random(1);
   for (std::uint16_t& code : room->mosaic.samples()) code = static_cast<std::uint16_t>(random.next() & 0xfff);
-  KernelTask task;
-  task.name = "demosaicing", task.item = "px";
-  task.items = static_cast<double>(rows) * cols;
   // green 20 on each line of which half are kept, a colour 5 in its own row and 14 in the other, the end 2
   // each
-  task.flops = 20 + 5 + 14 + 3 * 2;
-  task.bytes = 2 + 3 * 4;
-  task.footprint = task.items * task.bytes;
-  task.run = [room] { demosaic(room->mosaic, PixelLayout::BayerRggb, 4095, room->rgb, 255.f / 4095); };
-  tasks.push_back(std::move(task));
+  constexpr PixelWork kDemosaicing{.flops = 20 + 5 + 14 + 3 * 2, .bytes = 2 + 3 * 4};
+  add_picture_kernel(tasks, "demosaicing", static_cast<double>(rows) * cols, kDemosaicing, [room] {
+    demosaic(room->mosaic, PixelLayout::BayerRggb, 4095, room->rgb, 255.f / 4095);
+  });
 }
 
 }  // namespace hdrcam

@@ -10,6 +10,91 @@
 #include "online/scene/hash_grid/field/window_kernels.h"
 
 namespace hdrcam {
+namespace {
+
+constexpr int kSamples = 256;         // of one evaluation
+constexpr int kWidth = 32;            // of a layer
+constexpr int kParameters = 1 << 16;  // of one step of Adam
+
+struct FieldRoom {
+  Pcg32 random{1};
+  HashGrid<float> grid{HashGridShape(), 1e-2f, random};
+  RandomPlanes position{3, 1, kSamples, 0, 1, 2}, x{kWidth, 1, kSamples, -1, 1, 3},
+      y{kWidth, 1, kSamples, -1, 1, 4};
+  RandomPlanes weights{1, kWidth, kWidth, -1, 1, 5}, d_weights{1, kWidth, kWidth, 0, 0, 6};
+  RandomPlanes bias{2, 1, kWidth, -1, 1, 7};
+  Image<std::int32_t> slot{1, 1, kSamples};
+  RandomPlanes moments{2, 1, kParameters, 0, 1e-3f, 8}, gradient{2, 1, kParameters, -1e-3f, 1e-3f, 9};
+
+  FieldRoom() { grid.reserve_gradient(); }
+  GridQuery query() {
+    return {.position = {position.plane(0), position.plane(1), position.plane(2)},
+            .slot = slot.plane(0),
+            .n = kSamples};
+  }
+};
+using SharedRoom = std::shared_ptr<FieldRoom>;
+
+// Each corner of a sample's cell is one look-up.
+void add_grid(KernelTasks& tasks, const SharedRoom& room) {
+  const FieldKernels& kernels = field_kernels();
+  const auto add = [&](std::string name, auto run) {
+    KernelTask task;
+    task.name = std::move(name), task.item = "look-ups";
+    task.items = 8.0 * kSamples, task.look_ups = 1, task.run = run;
+    tasks.push_back(std::move(task));
+  };
+  const int finest = room->grid.shape().levels - 1;
+  for (const int level : {0, finest}) {
+    const std::string kind = level == 0 ? ", dense level" : ", hashed level";
+    add("field: encode" + kind, [room, &kernels, level] {
+      kernels.encode(room->grid.level(level), room->grid.table(level).data(), room->query(), room->x.plane(0),
+                     room->x.plane(1));
+    });
+    add("field: scatter" + kind, [room, &kernels, level] {
+      kernels.scatter(room->grid.level(level), room->grid.d_table(level).data(), room->query(),
+                      room->y.plane(0), room->y.plane(1));
+    });
+  }
+}
+
+void add_layers(KernelTasks& tasks, const SharedRoom& room) {
+  static constexpr LayerSize kSize{.in = kWidth, .out = kWidth, .ld = kSamples, .n = kSamples};
+  constexpr bool kRelu = true;
+  const FieldKernels& kernels = field_kernels();
+  const auto add = [&](const char* name, auto run) {
+    KernelTask task;
+    task.name = name, task.item = "flop";
+    task.items = 2.0 * kWidth * kWidth * kSamples, task.flops = 1, task.run = run;
+    tasks.push_back(std::move(task));
+  };
+  add("field: layer 32 to 32", [room, &kernels] {
+    kernels.affine(kSize, room->weights.plane(0), room->bias.plane(0), room->x.plane(0), kRelu,
+                   room->y.plane(0));
+  });
+  add("field: layer 32 to 32, backward", [room, &kernels] {
+    kernels.affine_transposed(kSize, room->weights.plane(0), room->x.plane(0), room->x.plane(0),
+                              room->y.plane(0));
+  });
+  add("field: layer 32 to 32, its weights", [room, &kernels] {
+    kernels.outer(kSize, room->x.plane(0), room->y.plane(0), room->d_weights.plane(0), room->bias.plane(1));
+  });
+}
+
+void add_adam(KernelTasks& tasks, const SharedRoom& room) {
+  KernelTask task;
+  task.name = "field: Adam", task.item = "parameters", task.items = kParameters;
+  task.flops = 13, task.bytes = 40, task.footprint = 5 * 4.0 * kParameters;
+  task.run = [room, &kernels = field_kernels()] {  // which clears the gradient
+    std::copy_n(room->gradient.plane(1), kParameters, room->gradient.plane(0));
+    kernels.adam({.rate = 1e-3f, .gradient_scale = 1, .beta1 = 0.9f, .beta2 = 0.99f, .epsilon = 1e-8f},
+                 kParameters, room->grid.table(0).data(), room->gradient.plane(0), room->moments.plane(0),
+                 room->moments.plane(1));
+  };
+  tasks.push_back(std::move(task));
+}
+
+}  // namespace
 
 void add_window(KernelTasks& tasks, int rows, int cols) {
   struct Room {
@@ -67,68 +152,10 @@ void add_window(KernelTasks& tasks, int rows, int cols) {
 }
 
 void add_field(KernelTasks& tasks) {
-  constexpr int kSamples = 256, kWidth = 32;
-  struct Room {
-    Pcg32 random{1};
-    HashGrid<float> grid{HashGridShape(), 1e-2f, random};
-    RandomPlanes position{3, 1, kSamples, 0, 1, 2}, x{kWidth, 1, kSamples, -1, 1, 3},
-        y{kWidth, 1, kSamples, -1, 1, 4};
-    RandomPlanes weights{1, kWidth, kWidth, -1, 1, 5}, d_weights{1, kWidth, kWidth, 0, 0, 6};
-    RandomPlanes bias{2, 1, kWidth, -1, 1, 7};
-    Image<std::int32_t> slot{1, 1, kSamples};
-    RandomPlanes moments{2, 1, 1 << 16, 0, 1e-3f, 8}, gradient{2, 1, 1 << 16, -1e-3f, 1e-3f, 9};
-  };
-  const auto room = std::make_shared<Room>();
-  room->grid.reserve_gradient();
-  const FieldKernels& kernels = field_kernels();
-  const auto query = [room] {
-    RandomPlanes& p = room->position;
-    return GridQuery{
-        .position = {p.plane(0), p.plane(1), p.plane(2)}, .slot = room->slot.plane(0), .n = kSamples};
-  };
-  const auto add = [&](std::string name, const char* item, double items, double flops, double look_ups,
-                       auto run) {
-    KernelTask task;
-    task.name = std::move(name), task.item = item, task.items = items;
-    task.flops = flops, task.look_ups = look_ups, task.run = run;
-    tasks.push_back(std::move(task));
-  };
-  const int finest = room->grid.shape().levels - 1;
-  for (const int level : {0, finest}) {
-    const std::string kind = level == 0 ? ", dense level" : ", hashed level";
-    add("field: encode" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
-      kernels.encode(room->grid.level(level), room->grid.table(level).data(), query(), room->x.plane(0),
-                     room->x.plane(1));
-    });
-    add("field: scatter" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
-      kernels.scatter(room->grid.level(level), room->grid.d_table(level).data(), query(), room->y.plane(0),
-                      room->y.plane(1));
-    });
-  }
-  static constexpr LayerSize kSize{.in = kWidth, .out = kWidth, .ld = kSamples, .n = kSamples};
-  const double layer = 2.0 * kWidth * kWidth * kSamples;
-  add("field: layer 32 to 32", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.affine(kSize, room->weights.plane(0), room->bias.plane(0), room->x.plane(0), true,
-                   room->y.plane(0));
-  });
-  add("field: layer 32 to 32, backward", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.affine_transposed(kSize, room->weights.plane(0), room->x.plane(0), room->x.plane(0),
-                              room->y.plane(0));
-  });
-  add("field: layer 32 to 32, its weights", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.outer(kSize, room->x.plane(0), room->y.plane(0), room->d_weights.plane(0), room->bias.plane(1));
-  });
-  constexpr int kParameters = 1 << 16;
-  KernelTask adam;
-  adam.name = "field: Adam", adam.item = "parameters", adam.items = kParameters;
-  adam.flops = 13, adam.bytes = 40, adam.footprint = 5 * 4.0 * kParameters;
-  adam.run = [room, &kernels] {  // which clears the gradient
-    std::copy_n(room->gradient.plane(1), kParameters, room->gradient.plane(0));
-    kernels.adam({.rate = 1e-3f, .gradient_scale = 1, .beta1 = 0.9f, .beta2 = 0.99f, .epsilon = 1e-8f},
-                 kParameters, room->grid.table(0).data(), room->gradient.plane(0), room->moments.plane(0),
-                 room->moments.plane(1));
-  };
-  tasks.push_back(std::move(adam));
+  const auto room = std::make_shared<FieldRoom>();
+  add_grid(tasks, room);
+  add_layers(tasks, room);
+  add_adam(tasks, room);
 }
 
 }  // namespace hdrcam

@@ -31,18 +31,30 @@ class RandomPlanes {
 
 using KernelTasks = std::vector<KernelTask>;
 
+// What a kernel does for one pixel, counted as in kernel_tasks.h.
+struct PixelWork {
+  double flops = 0, bytes = 0, look_ups = 0;
+};
+
+// Adds a kernel over a picture; memory is touched once a run.
+template <class Run>
+void add_picture_kernel(KernelTasks& tasks, std::string name, double pixels, const PixelWork& each,
+                        Run&& run) {
+  KernelTask task;
+  task.name = std::move(name), task.item = "px", task.items = pixels;
+  task.flops = each.flops, task.bytes = each.bytes, task.look_ups = each.look_ups;
+  task.footprint = pixels * each.bytes;
+  task.run = std::forward<Run>(run);
+  tasks.push_back(std::move(task));
+}
+
 // Adds a kernel that takes a picture row by row: row(y). planes: read or written.
 template <class Row>
 void add_rows(KernelTasks& tasks, std::string name, int rows, int cols, double flops, int planes, Row&& row) {
-  KernelTask task;
-  task.name = std::move(name), task.item = "px";
-  task.items = static_cast<double>(rows) * cols;
-  task.flops = flops, task.bytes = 4.0 * planes;
-  task.footprint = task.items * task.bytes;
-  task.run = [rows, row = std::forward<Row>(row)] {
-    for (int y = 0; y < rows; ++y) row(y);
-  };
-  tasks.push_back(std::move(task));
+  add_picture_kernel(tasks, std::move(name), static_cast<double>(rows) * cols,
+                     {.flops = flops, .bytes = 4.0 * planes}, [rows, row = std::forward<Row>(row)] {
+                       for (int y = 0; y < rows; ++y) row(y);
+                     });
 }
 
 // rows, cols: of the pictures. Each appends its kernels.

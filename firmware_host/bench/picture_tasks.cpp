@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
@@ -9,69 +10,88 @@
 #include "render/shrinkage_kernels.h"
 
 namespace hdrcam {
+namespace {
 
-void add_pictures(KernelTasks& tasks, int rows, int cols) {
-  struct Room {
-    RandomPlanes in, zoom, chaos, out;
-  };
-  const auto room = std::make_shared<Room>(
-      Room{RandomPlanes(3, rows, cols, 0.01f, 2, 1), RandomPlanes(2, rows, cols, -0.02f, 0.02f, 2),
-           RandomPlanes(2, rows, cols, -6, 6, 2), RandomPlanes(3, rows, cols, 0, 0, 3)});
+// A picture, two flows over it, and room for what is made of it.
+struct PictureRoom {
+  int rows, cols;
+  RandomPlanes in, zoom, chaos, out;
+
+  double pixels() const { return static_cast<double>(rows) * cols; }
+};
+using SharedRoom = std::shared_ptr<PictureRoom>;
+
+SharedRoom picture_room(int rows, int cols) {
+  const auto room =
+      std::make_shared<PictureRoom>(PictureRoom{.rows = rows,
+                                                .cols = cols,
+                                                .in = RandomPlanes(3, rows, cols, 0.01f, 2, 1),
+                                                .zoom = RandomPlanes(2, rows, cols, -0.02f, 0.02f, 2),
+                                                .chaos = RandomPlanes(2, rows, cols, -6, 6, 2),
+                                                .out = RandomPlanes(3, rows, cols, 0, 0, 3)});
   for (int y = 0; y < rows; ++y)  // by one in a hundred, and what a measured flow is unsure of
     for (int x = 0; x < cols; ++x) {
       room->zoom.row(0, y)[x] += 0.01f * static_cast<float>(2 * x - cols) / 2;
       room->zoom.row(1, y)[x] += 0.01f * static_cast<float>(2 * y - rows) / 2;
     }
-  const PictureKernels& kernels = picture_kernels();
-  const auto warp = [&](const char* name, auto kernel, float limit, double flops, double look_ups) {
-    for (const bool together : {true, false}) {
-      RandomPlanes& flow = together ? room->zoom : room->chaos;
-      KernelTask task;
-      task.name = std::string(name) + (together ? "" : ", neighbours apart"), task.item = "px";
-      task.items = static_cast<double>(rows) * cols;
-      task.flops = flops, task.look_ups = together ? 0 : look_ups, task.bytes = 32;
-      task.footprint = task.items * task.bytes;
-      task.run = [room, &flow, kernel, limit, rows, cols] {
-        kernel({.in = room->in.plane(0),
-                .out = room->out.plane(0),
-                .dx = flow.plane(0),
-                .dy = flow.plane(1),
-                .channels = 3,
-                .rows = rows,
-                .cols = cols,
-                .y0 = 0,
-                .y1 = rows,
-                .limit = limit});
-      };
-      tasks.push_back(std::move(task));
-    }
+  return room;
+}
+
+// Along a zoom, where neighbours stay together, and along a flow that takes them apart.
+template <class Kernel>
+void add_warps(KernelTasks& tasks, const SharedRoom& room, const std::string& name, Kernel kernel,
+               float limit, PixelWork each) {
+  const auto along = [&](RandomPlanes& flow) {
+    return [room, &flow, kernel, limit] {
+      kernel({.in = room->in.plane(0),
+              .out = room->out.plane(0),
+              .dx = flow.plane(0),
+              .dy = flow.plane(1),
+              .channels = 3,
+              .rows = room->rows,
+              .cols = room->cols,
+              .y0 = 0,
+              .y1 = room->rows,
+              .limit = limit});
+    };
   };
-  // a place 10, its weights 20 where cubic; 6 a channel where bilinear, 47 where cubic and limited
-  warp("warp, bilinear, rgb", kernels.warp_linear, 0, 10 + 3 * 6, 3 * 2);
-  warp("warp, bicubic, rgb", kernels.warp_cubic, 0.25f, 10 + 20 + 3 * 47, 3 * 4);
-  add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
-    kernels.window(window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
-  });
+  add_picture_kernel(tasks, name, room->pixels(), {.flops = each.flops, .bytes = each.bytes},
+                     along(room->zoom));
+  add_picture_kernel(tasks, name + ", neighbours apart", room->pixels(), each, along(room->chaos));
+}
+
+void add_blur(KernelTasks& tasks, const SharedRoom& room) {
+  const auto motion = std::make_shared<RandomPlanes>(2, room->rows, room->cols, 5.98f, 6.02f, 4);
   // 5 instants, of 12 and 7 a channel; neighbours stay together
-  KernelTask blur;
-  blur.name = "exposure's blur, rgb", blur.item = "px";
-  blur.items = static_cast<double>(rows) * cols;
-  blur.flops = 5 * (12 + 3 * 7), blur.bytes = 32;
-  blur.footprint = blur.items * blur.bytes;
-  const auto motion = std::make_shared<RandomPlanes>(2, rows, cols, 5.98f, 6.02f, 4);
-  blur.run = [room, motion, rows, cols] {
+  constexpr PixelWork kBlur{.flops = 5 * (12 + 3 * 7), .bytes = 32};
+  add_picture_kernel(tasks, "exposure's blur, rgb", room->pixels(), kBlur, [room, motion] {
     exposure_blur_kernels().blur({.radiance = room->in.plane(0),
                                   .dx = motion->plane(0),
                                   .dy = motion->plane(1),
                                   .fraction = 0.45f,
                                   .difference = room->out.plane(0),
                                   .channels = 3,
-                                  .rows = rows,
-                                  .cols = cols,
+                                  .rows = room->rows,
+                                  .cols = room->cols,
                                   .y0 = 0,
-                                  .y1 = rows});
-  };
-  tasks.push_back(std::move(blur));
+                                  .y1 = room->rows});
+  });
+}
+
+}  // namespace
+
+void add_pictures(KernelTasks& tasks, int rows, int cols) {
+  const SharedRoom room = picture_room(rows, cols);
+  const PictureKernels& kernels = picture_kernels();
+  // a place 10, its weights 20 where cubic; 6 a channel where bilinear, 47 where cubic and limited
+  add_warps(tasks, room, "warp, bilinear, rgb", kernels.warp_linear, 0,
+            {.flops = 10 + 3 * 6, .bytes = 32, .look_ups = 3 * 2});
+  add_warps(tasks, room, "warp, bicubic, rgb", kernels.warp_cubic, 0.25f,
+            {.flops = 10 + 20 + 3 * 47, .bytes = 32, .look_ups = 3 * 4});
+  add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
+    kernels.window(window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
+  });
+  add_blur(tasks, room);
 }
 
 void add_shrinkage(KernelTasks& tasks, int rows, int cols) {

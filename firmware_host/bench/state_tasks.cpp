@@ -7,20 +7,32 @@
 #include "online/state/radiance_state.h"
 
 namespace hdrcam {
+namespace {
 
-void add_state(KernelTasks& tasks, int rows, int cols) {
-  struct Room {
-    ExposureTables tables;
-    RandomPlanes codes, radiance, share, out;
-  };
-  const auto room = std::make_shared<Room>(
-      Room{ExposureTables(Response::gamma(2.2f), {}, 0.5f), RandomPlanes(2, rows, cols, 0, 255, 1),
-           RandomPlanes(9, rows, cols, 0.01f, 1, 2), RandomPlanes(4, rows, cols, 0, 1, 3),
-           RandomPlanes(4, rows, cols, 0, 0, 4)});
+// Two frames' codes, planes in the ranges of radiances and of shares, and room for what is made of them.
+struct StateRoom {
+  int rows, cols;
+  ExposureTables tables;
+  RandomPlanes codes, radiance, share, out;
+
+  SampleVariances noise() const { return {tables.variances(1).data(), tables.exposure()}; }
+};
+using SharedRoom = std::shared_ptr<StateRoom>;
+
+SharedRoom state_room(int rows, int cols) {
+  return std::make_shared<StateRoom>(StateRoom{.rows = rows,
+                                               .cols = cols,
+                                               .tables = ExposureTables(Response::gamma(2.2f), {}, 0.5f),
+                                               .codes = RandomPlanes(2, rows, cols, 0, 255, 1),
+                                               .radiance = RandomPlanes(9, rows, cols, 0.01f, 1, 2),
+                                               .share = RandomPlanes(4, rows, cols, 0, 1, 3),
+                                               .out = RandomPlanes(4, rows, cols, 0, 0, 4)});
+}
+
+// What a frame says, what the state would have recorded, and which of the two the noise model is asked for.
+void add_samples(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
-  const auto noise = [room] {
-    return SampleVariances{room->tables.variances(1).data(), room->tables.exposure()};
-  };
+  const int rows = room->rows, cols = room->cols;
   add_rows(tasks, "fusion: samples", rows, cols, 34, 5, [room, &kernels, cols](int y) {
     kernels.sample({.codes = room->codes.row(0, y),
                     .brightest = room->codes.row(1, y),
@@ -49,7 +61,13 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                       .out = room->out.row(0, y)},
                      cols);
   });
-  add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, noise, cols](int y) {
+}
+
+// How far state and samples agree.
+void add_gate(KernelTasks& tasks, const SharedRoom& room) {
+  const FusionKernels& kernels = fusion_kernels();
+  const int rows = room->rows, cols = room->cols;
+  add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
     kernels.compare({.state = r.row(0, y),
                      .variance = r.row(1, y),
@@ -58,7 +76,7 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                      .sample = r.row(4, y),
                      .comparable = room->share.row(0, y),
                      .blur = r.row(5, y),
-                     .noise = noise(),
+                     .noise = room->noise(),
                      .unseen_from = 1e6f,
                      .relative2 = 1e-3f,
                      .texture2 = 1e-2f,
@@ -81,7 +99,13 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                   .gate = room->out.row(3, y)},
                  cols);
   });
-  add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
+}
+
+// The state takes the samples.
+void add_update(KernelTasks& tasks, const SharedRoom& room) {
+  const FusionKernels& kernels = fusion_kernels();
+  const int rows = room->rows, cols = room->cols;
+  add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
     kernels.update({.state = r.row(0, y),
                     .variance = r.row(7, y),
@@ -91,7 +115,7 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                     .blur = r.row(5, y),
                     .gate = room->share.row(1, y),
                     .extra = nullptr,
-                    .noise = noise(),
+                    .noise = room->noise(),
                     .unseen_from = 1e6f,
                     .relative2 = 1e-3f,
                     .blur_variance = 0.1f,
@@ -105,6 +129,12 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                     .share = room->out.row(2, y)},
                    cols);
   });
+}
+
+// The state is carried to the next frame.
+void add_carrying(KernelTasks& tasks, const SharedRoom& room) {
+  const FusionKernels& kernels = fusion_kernels();
+  const int rows = room->rows, cols = room->cols;
   const auto flow = std::make_shared<RandomPlanes>(2, rows, cols, -6, 6, 5);
   add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 4, [room, flow, &kernels, cols](int y) {
     kernels.warp_variance(
@@ -129,6 +159,16 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                  .new_variance = room->out.row(3, y)},
                 cols);
   });
+}
+
+}  // namespace
+
+void add_state(KernelTasks& tasks, int rows, int cols) {
+  const SharedRoom room = state_room(rows, cols);
+  add_samples(tasks, room);
+  add_gate(tasks, room);
+  add_update(tasks, room);
+  add_carrying(tasks, room);
 }
 
 }  // namespace hdrcam
