@@ -30,8 +30,8 @@ float way_over(std::span<const Hit> hits) {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool,
-                   Sampling sampling)
+Renderer::Renderer(const Scene& scene, Lens lens, ShutterEffects shutter, int rows, int cols,
+                   WorkerPool& pool, Sampling sampling)
     : scene_(scene),
       lens_(lens),
       shutter_(shutter),

@@ -25,8 +25,8 @@ struct ExposureSpan {
   double begin_s = 0, end_s = 0;
 };
 
-// Effects of the shutter; nothing is computed for one that is absent.
-struct Shutter {
+// Nothing is computed for one that is absent.
+struct ShutterEffects {
   std::optional<MotionBlur> blur;
   std::optional<RollingShutter> rolling;
 };
@@ -40,10 +40,10 @@ enum class Sampling {
 class Renderer {
  public:
   // The scene outlives the renderer, and so does the pool.
-  Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool,
+  Renderer(const Scene& scene, Lens lens, ShutterEffects shutter, int rows, int cols, WorkerPool& pool,
            Sampling sampling = Sampling::Smooth);
 
-  const Shutter& shutter() const { return shutter_; }
+  const ShutterEffects& shutter() const { return shutter_; }
   // light: [rgb, rows, cols] mean radiance
   void render(ExposureSpan span, Image<float>& light);
 
@@ -69,7 +69,7 @@ class Renderer {
 
   const Scene& scene_;
   Lens lens_;
-  Shutter shutter_;
+  ShutterEffects shutter_;
   int rows_, cols_;
   int tile_rows_, tile_cols_;
   WorkerPool& pool_;

@@ -32,7 +32,7 @@ Lens lens_of(const Simulation& s) {
           if_on<Distortion>(s.plan, Effect::Distortion, s.distortion)};
 }
 
-Shutter shutter_of(const Simulation& s) {
+ShutterEffects shutter_of(const Simulation& s) {
   return {if_on<MotionBlur>(s.plan, Effect::MotionBlur, s.motion_blur),
           if_on<RollingShutter>(s.plan, Effect::RollingShutter, s.rolling_shutter, s.height)};
 }

@@ -22,7 +22,7 @@ struct Stage {
         cols(times * kCols),
         scene(make_scene(simulation_of(spec).value().scene, 64, pool)),
         lens{centred_intrinsics(cols, rows, std::numbers::pi / 3), std::nullopt} {}
-  Renderer renderer(Shutter shutter) { return Renderer(scene, lens, shutter, rows, cols, pool); }
+  Renderer renderer(ShutterEffects shutter) { return Renderer(scene, lens, shutter, rows, cols, pool); }
 
   int rows, cols;
   WorkerPool pool{2};
@@ -30,7 +30,7 @@ struct Stage {
   Lens lens;
 };
 
-Shutter blurring() { return {MotionBlur({}), std::nullopt}; }
+ShutterEffects blurring() { return {MotionBlur({}), std::nullopt}; }
 
 // Of a scene while the shutter is open: as rendered, the instant in the middle, and the mean of all instants.
 struct Exposed {
