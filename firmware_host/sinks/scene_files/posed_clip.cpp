@@ -16,11 +16,6 @@ std::string path_from(const std::string& folder, const std::string& path) {
   return failed || relative.empty() ? path : relative.generic_string();
 }
 
-std::string folder_of(const std::string& file) {
-  const std::string folder = fs::path(file).parent_path().string();
-  return folder.empty() ? "." : folder;
-}
-
 Result<void> check_lens(PoseSource source, bool lens_is_assumed, const std::string& clip) {
   if (source != PoseSource::Given || !lens_is_assumed) return {};
   return Error{

@@ -46,8 +46,6 @@ struct PosedClip {
 // The path as seen from a folder: "../out/000000.png". Both are relative to the working directory, or
 // absolute.
 std::string path_from(const std::string& folder, const std::string& path);
-// The folder of a file; "." where it names none.
-std::string folder_of(const std::string& file);
 
 // Given poses need the lens that they were made with. Invalid, saying what to do, where `lens` is only
 // assumed. clip: what the message names.
