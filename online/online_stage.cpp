@@ -82,7 +82,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     match(place, tables);
     if (look_ahead_ == 0) TRY(advance(place));
   }
-  return emit_ready(false, emit);
+  return emit_ready(Stream::GoesOn, emit);
 }
 
 // The state with the first frame, or the first under another response.
@@ -155,14 +155,15 @@ Result<void> OnlineStage::fit(PendingFrame& pending) {
   return {};
 }
 
-Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
+Result<void> OnlineStage::emit_ready(Stream stream, const Emit& emit) {
   for (std::size_t place = 0; place < frames_.size(); ++place) {
     PendingFrame& pending = frames_[place];
     const std::size_t ahead = std::min(static_cast<std::size_t>(look_ahead_), frames_.size() - 1 - place);
     if (pending.emitted) continue;
-    if (!pending.advanced || (!all && static_cast<int>(ahead) < look_ahead_)) break;
+    const bool waits = stream == Stream::GoesOn && static_cast<int>(ahead) < look_ahead_;
+    if (!pending.advanced || waits) break;
     pending.emitted = true;
-    if (budget_.emits || all) {
+    if (budget_.emits || stream == Stream::Ended) {
       TRY(emit_at(place, ahead, emit));
     } else if (left_out_) {
       left_out_();
@@ -221,7 +222,7 @@ SceneView OnlineStage::view_of(const PendingFrame& pending) const {
   return view;
 }
 
-// The state takes in a frame of these tables.
+// Called where the state takes in a frame of these tables.
 void OnlineStage::note_darkest(const ExposureTables& tables) {
   for (int c = 0; c < 3; ++c)
     darkests_[static_cast<std::size_t>(c)].add(tables.radiance(c, clip_policy::kBlack));
@@ -235,7 +236,7 @@ std::array<float, 3> OnlineStage::darkest() const {
 Result<void> OnlineStage::finish(const Emit& emit) {
   if (!first_frames_.empty()) TRY(bootstrap(emit));
   if (!frames_.empty() && !frames_[frames_.size() - 1].advanced) TRY(advance(frames_.size() - 1));
-  return emit_ready(true, emit);
+  return emit_ready(Stream::Ended, emit);
 }
 
 }  // namespace hdrcam

@@ -57,6 +57,8 @@ class OnlineStage {
   std::string field_fallback_reason() const { return second_layer_.fallback_reason(); }
 
  private:
+  enum class Stream { GoesOn, Ended };  // ended: frames wait for no later ones
+
   // --- the way of a frame; place: in frames_ ---
   Result<void> bootstrap(const Emit& emit);
   Result<void> begin_anew(const ResponseEstimate& estimate, int frame, const Emit& emit);
@@ -65,7 +67,7 @@ class OnlineStage {
   void match(std::size_t place, const ExposureTables& tables);
   Result<void> advance(std::size_t place);
   Result<void> fit(PendingFrame& pending);
-  Result<void> emit_ready(bool all, const Emit& emit);
+  Result<void> emit_ready(Stream stream, const Emit& emit);
   Result<void> emit_at(std::size_t place, std::size_t ahead, const Emit& emit);
 
   SceneView view_of(const PendingFrame& pending) const;
