@@ -50,8 +50,8 @@ Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& setting
 
 std::string account_of(CameraSource& camera) {
   const LiveCounters counters = camera.session().counters();
-  std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.fits()), proof_of(counters.camera));
-  if (camera.fits())
+  std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.work()), proof_of(counters.camera));
+  if (camera.work() == LiveWork::Fit)
     text += fmt::format("latency: {:.0f} ms at most\n", to_seconds(counters.longest_latency) * 1e3);
   for (const std::string& line : {camera.trigger_account(), camera.strobe_account()})
     if (!line.empty()) text += line + "\n";

@@ -83,7 +83,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
-  const auto camera = TRY(open_camera_source(settings, flags.limits.options(true), trace, around));
+  const auto camera = TRY(open_camera_source(settings, flags.limits.options(LiveWork::Fit), trace, around));
   RunRecord record;
   RunPlan plan{.settings = settings,
                .title = camera->camera().name,

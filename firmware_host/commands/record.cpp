@@ -52,11 +52,12 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
   TraceFile trace(settings);
   if (is_read_as_fast_as_asked(settings.camera))
     return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);
-  const auto camera = TRY(open_camera_source(settings, flags.limits.options(false), trace, around));
+  const auto camera =
+      TRY(open_camera_source(settings, flags.limits.options(LiveWork::RecordOnly), trace, around));
   LiveSession& session = camera->session();
   TRY(camera->start());
   {
-    LiveStatus status(session, false);
+    LiveStatus status(session, LiveWork::RecordOnly);
     const bool supervised = Supervisor::of_environment().present();  // then the service's status has the line
     session.next([&] { supervised ? void() : status.update(); });
   }

@@ -39,8 +39,8 @@ void RunLimits::add_to(CommandLine verb) {
       });
 }
 
-LiveOptions RunLimits::options(bool fits) const {
-  return {.frames = frames, .timeout = from_seconds(timeout_s), .fits = fits};
+LiveOptions RunLimits::options(LiveWork work) const {
+  return {.frames = frames, .timeout = from_seconds(timeout_s), .work = work};
 }
 
 Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {

@@ -17,7 +17,7 @@ struct RunLimits {
 
   // The flags --frames and --timeout.
   void add_to(CommandLine verb);
-  LiveOptions options(bool fits) const;
+  LiveOptions options(LiveWork work) const;
   // ^C is the normal end of a run without limits; a run with limits is then Interrupted.
   Result<void> ended_by(LiveEnd end, std::uint64_t captured) const;
 };

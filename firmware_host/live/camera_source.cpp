@@ -29,7 +29,7 @@ std::vector<std::string> differences(const Settings::Camera& asked, const Camera
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
-  if (settings.schedule.adapt == Adapt::Motion && !limits.fits)
+  if (settings.schedule.adapt == Adapt::Motion && limits.work == LiveWork::RecordOnly)
     return Error{
         ErrorCode::Invalid,
         "--adapt motion asks the fit, and this run only records; use --adapt light or 'hdrcam live'"};
@@ -37,7 +37,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   if (const std::string& takes = settings.output.http_takes; !takes.empty())
     source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
   source->replayed_ = is_replayed(settings.camera.id);
-  source->fits_ = limits.fits;
+  source->work_ = limits.work;
   source->lines_ = TRY(CameraLines::prepare(settings));  // before the camera's threads
   source->camera_ = TRY(open_camera(settings.camera.id, storage, source->lines_->wiring()));
   source->exposure_fixed_ = !source->camera_->capabilities().sets_exposure;
@@ -45,12 +45,12 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   const StreamMode& mode = setup.options.mode;
   TRY(source->lines_->open(mode.frame_duration));
   setup.options.trigger = source->lines_->trigger();
+  const bool fits = limits.work == LiveWork::Fit;
   const bool simulated = settings.camera.id.starts_with("sim:");
   TRY(admit_parts(
-      settings,
-      fmt::format("a stream of {}x{}{}", mode.width, mode.height, limits.fits ? " with its fit" : ""),
+      settings, fmt::format("a stream of {}x{}{}", mode.width, mode.height, fits ? " with its fit" : ""),
       capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames, LiveOptions::kMostFrames) +
-          (limits.fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
+          (fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
           (simulated ? simulator_bytes(mode.width, mode.height) : 0)));
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
                                             setup.mains, setup.options));
@@ -69,7 +69,7 @@ std::vector<std::string> CameraSource::warnings() const {
   std::vector<std::string> all = differences_;
   std::ranges::copy(capture_->warnings(), std::back_inserter(all));
   if (const std::string note = lines_->note(); !note.empty()) all.push_back(note);
-  if (fits_ && !exposure_fixed_ && capture_->schedule().slots() == 1)
+  if (work_ == LiveWork::Fit && !exposure_fixed_ && capture_->schedule().slots() == 1)
     all.emplace_back("one exposure gives no HDR; give a cycle such as --shutter 1ms,4ms,16ms");
   return all;
 }
@@ -79,7 +79,7 @@ Result<void> CameraSource::start() {
   watch_.emplace(
       Supervisor::of_environment(), [this] { return session_->counters(); },
       [this](const LiveCounters& counters) {
-        return live_line(to_seconds(posix_clock().now() - begin_), counters, fits_);
+        return live_line(to_seconds(posix_clock().now() - begin_), counters, work_);
       });
   return {};
 }
@@ -186,7 +186,7 @@ Result<void> CameraSource::change_cycle(const std::string& shutter, const std::s
 }
 
 std::string CameraSource::status(const ProgressState&) const {
-  return live_line(to_seconds(posix_clock().now() - begin_), session_->counters(), fits_);
+  return live_line(to_seconds(posix_clock().now() - begin_), session_->counters(), work_);
 }
 
 }  // namespace hdrcam

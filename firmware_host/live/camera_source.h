@@ -60,7 +60,7 @@ class CameraSource : public FrameSource, public RunControl {
   // The recordings that a person started, each with its frames so far, a line each; "" where none has any.
   std::string takes_account() const;
   LiveSession& session() { return *session_; }
-  bool fits() const { return fits_; }  // or only records
+  LiveWork work() const { return work_; }
   // Why the run ended, if it ended without an error.
   LiveEnd end() const { return end_; }
 
@@ -88,7 +88,8 @@ class CameraSource : public FrameSource, public RunControl {
   std::optional<ServiceWatch> watch_;
   CameraFacts facts_;
   std::vector<std::string> differences_;  // from what was asked of the camera
-  bool replayed_ = false, fits_ = true;
+  LiveWork work_ = LiveWork::Fit;
+  bool replayed_ = false;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;
   std::string gain_;                   // of the cycle, as --gain is written

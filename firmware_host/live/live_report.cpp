@@ -7,12 +7,12 @@
 
 namespace hdrcam {
 
-std::string live_line(double seconds, const LiveCounters& counters, bool fits) {
+std::string live_line(double seconds, const LiveCounters& counters, LiveWork work) {
   const CaptureCounters& camera = counters.camera;
   const double judged = static_cast<double>(camera.emitted);
   const double proved = camera.emitted > 0 ? 100 * static_cast<double>(camera.proved) / judged : 0;
   std::string line = fmt::format("{:.1f} s  captured {}", seconds, counters.captured());
-  if (fits)
+  if (work == LiveWork::Fit)
     line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
                         to_seconds(counters.latency) * 1e3);
   else
@@ -24,10 +24,11 @@ std::string live_line(double seconds, const LiveCounters& counters, bool fits) {
 void LiveStatus::update() {
   if (!line_.due()) return;
   seconds_ += watch_.lap_ms() * 1e-3;
-  line_.show(live_line(seconds_, session_.counters(), fits_));
+  line_.show(live_line(seconds_, session_.counters(), work_));
 }
 
-std::string sentence_of(const LiveCounters& counters, bool fits) {
+std::string sentence_of(const LiveCounters& counters, LiveWork work) {
+  const bool fits = work == LiveWork::Fit;
   const std::pair<std::uint64_t, const char*> reasons[] = {
       {fits ? 0 : counters.unwritten, "not written, the recording failed"},
       {counters.shed, "shed, the fit was busy"},

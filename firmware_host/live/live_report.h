@@ -13,24 +13,24 @@
 namespace hdrcam {
 
 // Returns text like "12.0 s captured 360 emitted 118 dropped 240 latency 210 ms exposure proved 100 %".
-std::string live_line(double seconds, const LiveCounters& counters, bool fits);
+std::string live_line(double seconds, const LiveCounters& counters, LiveWork work);
 
 // Shows that line on the terminal during a run. Thread-bound; the session outlives it.
 class LiveStatus {
  public:
-  LiveStatus(const LiveSession& session, bool fits) : session_(session), fits_(fits), line_(stderr) {}
+  LiveStatus(const LiveSession& session, LiveWork work) : session_(session), work_(work), line_(stderr) {}
   void update();  // when it is due
 
  private:
   const LiveSession& session_;
-  const bool fits_;
+  const LiveWork work_;
   StatusLine line_;
   Stopwatch watch_;
   double seconds_ = 0;
 };
 
 // "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and the camera's lost frames.
-std::string sentence_of(const LiveCounters& counters, bool fits);
+std::string sentence_of(const LiveCounters& counters, LiveWork work);
 
 // What gives more HDR frames where the fit did not keep up, a sentence without a full stop; "" where it did.
 std::string way_out(const LiveCounters& counters, const Settings& settings);

@@ -113,7 +113,8 @@ Result<void> LiveSession::capture_one() {
 void LiveSession::count_camera() { counters_.camera = capture_.counters(); }
 
 void LiveSession::hand_on(FrameShare frame) {
-  const bool fits = options_.fits && (frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0;
+  const bool fits =
+      options_.work == LiveWork::Fit && (frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0;
   std::shared_ptr<Recorder> recorder;
   {
     const std::lock_guard lock(mutex_);
@@ -121,7 +122,7 @@ void LiveSession::hand_on(FrameShare frame) {
     if (!first_arrival_) first_arrival_ = frame->arrived;
     if (fits)
       ++counters_.in_fit;
-    else if (options_.fits)
+    else if (options_.work == LiveWork::Fit)
       ++counters_.unproved;
     recorder = recorder_;
     ++(recorder ? counters_.to_record : counters_.not_requested);

@@ -26,12 +26,15 @@
 
 namespace hdrcam {
 
+// What becomes of the frames of a camera: HDR frames and a recording, or a recording alone.
+enum class LiveWork { Fit, RecordOnly };
+
 struct LiveOptions {
   std::uint64_t frames = 0;               // to capture; 0: until stopped
   Duration timeout{0};                    // of the run; 0: none
   std::size_t memory_bytes = 256U << 20;  // for queued frames, at least kFewestFrames of them
-  bool fits = true;                       // false: only record
-  Trace* trace = nullptr;                 // gets capture and recording; null, or outlives the session
+  LiveWork work = LiveWork::Fit;
+  Trace* trace = nullptr;  // gets capture and recording; null, or outlives the session
 
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };

@@ -316,7 +316,8 @@ TEST_CASE("a run that only records has no fit to ask for exposures") {
   Settings settings = settings_of("unused");
   settings.schedule.adapt = Adapt::Motion;
   const std::atomic<bool> never{false};
-  require_error(CameraSource::open(settings, {.fits = false}, posix_storage(), never), ErrorCode::Invalid);
+  require_error(CameraSource::open(settings, {.work = LiveWork::RecordOnly}, posix_storage(), never),
+                ErrorCode::Invalid);
 }
 
 }  // namespace

@@ -130,7 +130,8 @@ TEST_CASE("a run says that no further frame is captured while its fit still has 
 
 TEST_CASE("a run that only records hands out no frame and keeps them all") {
   Stand stand("still?size=64x48&fps=200");
-  LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60, .fits = false});
+  LiveSession session(stand.capture(), stand.record(posix_storage()),
+                      {.frames = 60, .work = LiveWork::RecordOnly});
   require_done(session.start(kNeverStops));
   CHECK_FALSE(session.next({}));
   CHECK(value_of(session.finish()) == LiveEnd::Frames);
@@ -247,7 +248,7 @@ TEST_CASE("a full disk ends the run with that error, and what was recorded befor
 TEST_CASE("the ledger of a recording adds up when the disk fills: what was not written counts as dropped") {
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
-  LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
+  LiveSession session(stand.capture(), stand.record(storage), {.work = LiveWork::RecordOnly});
   require_done(session.start(kNeverStops));
   CHECK_FALSE(session.next({}));
   require_error(session.finish(), ErrorCode::NoSpace);
@@ -256,7 +257,7 @@ TEST_CASE("the ledger of a recording adds up when the disk fills: what was not w
   CHECK(counters.unwritten > 0);
   CHECK(counters.to_record == 0);
   CHECK(counters.captured() == counters.recorded + counters.not_recorded());
-  const std::string said = sentence_of(counters, false);
+  const std::string said = sentence_of(counters, LiveWork::RecordOnly);
   INFO(said);
   CHECK(said.find(fmt::format("captured {} = recorded {} + dropped {}", counters.captured(),
                               counters.recorded, counters.captured() - counters.recorded)) == 0);
@@ -268,7 +269,7 @@ TEST_CASE("a recording that failed while it was completed keeps its error, and n
   const auto pause = [] { std::this_thread::sleep_for(milliseconds(1)); };
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
-  LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
+  LiveSession session(stand.capture(), stand.record(storage), {.work = LiveWork::RecordOnly});
   require_done(session.start(kNeverStops));
   CHECK_FALSE(session.next({}));  // until the recorder has failed
   require_done(session.stop_recording());
