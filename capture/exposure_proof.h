@@ -100,8 +100,8 @@ class ExposureProof {
   static constexpr std::size_t kValues = kCandidates + 1;  // and a claim outside the cycle
   struct Frame {
     PhotometricSignature picture;
-    std::array<std::optional<PhotometricRatio>, kWindow>
-        ratio_from;                      // [k]: from the frame k + 1 before this one
+    // [k]: from the frame k + 1 before this one.
+    std::array<std::optional<PhotometricRatio>, kWindow> ratio_from;
     InlineList<double, kValues> values;  // ln E that it can have
     Judgement judgement;
   };

@@ -35,8 +35,8 @@ struct TriggerCounters {
 
   std::uint64_t pulses = 0;  // driven
   std::uint64_t late = 0;    // of them
-  std::uint64_t left_out =
-      0;  // instants without a pulse: its thread was so late that it would have met the next
+  // Instants without a pulse: its thread was so late that it would have met the next.
+  std::uint64_t left_out = 0;
   std::uint64_t answered = 0, unanswered = 0;
   std::uint64_t spurious = 0;                        // answers without a pulse
   std::array<std::uint64_t, kNamed> missing{};       // numbers of the first unanswered pulses

@@ -17,8 +17,8 @@ constexpr int kExitInterrupted = 130;  // 128 + SIGINT, as a shell reports it
 
 struct ExitCode {
   int number;
-  std::optional<ErrorCode>
-      error;            // the kind of Error that ends with this number; none for success and our own bugs
+  // The kind of Error that ends with this number; none for success and our own bugs.
+  std::optional<ErrorCode> error;
   const char* meaning;  // one clause, for the user
 };
 

@@ -26,8 +26,8 @@ bool write_to(std::FILE* stream, std::string_view text) {
 void occupy_standard_streams() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
     if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-      (void)::open("/dev/null",
-                   fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // gets the lowest free number, which is fd
+      // Gets the lowest free number, which is fd.
+      (void)::open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 void write_result(std::string_view text) {

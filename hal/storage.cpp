@@ -102,8 +102,8 @@ Result<void> FileInMaking::commit(Durability durability) {
 
 // The name is the folder's: of a file alone the disk may have the bytes and not yet the name (fsync(2)).
 Result<void> FileInMaking::sync_folder() {
-  const auto folder =
-      storage_->open(std::filesystem::path(earlier_.real_path).parent_path());  // where it may be read
+  // Where it may be read.
+  const auto folder = storage_->open(std::filesystem::path(earlier_.real_path).parent_path());
   return folder ? folder.value()->sync() : Result<void>();
 }
 

@@ -26,8 +26,11 @@ class HighlightShoulder {
   double shown(double nits) const;
 
  private:
-  double source_signal_, peak_, peak_nits_, knee_,
-      knee_nits_;  // peak_, knee_: signal over that of the source
+  double source_signal_;
+  double peak_;  // signal, over that of the source
+  double peak_nits_;
+  double knee_;  // as peak_
+  double knee_nits_;
 };
 
 // Of one picture, as CTA-861.3 counts it: of each pixel the largest of R, G and B.

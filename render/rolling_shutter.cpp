@@ -36,8 +36,8 @@ int nearest(int place, float by, int size) {
 }  // namespace
 
 void RollingShutterCorrection::correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame) {
-  constexpr double kMostIntervals =
-      2;  // between centres of exposures: shorter than a frame before a short one
+  // Between centres of exposures: shorter than a frame before a short one.
+  constexpr double kMostIntervals = 2;
   const double interval_s = estimate.frame.interval_s;
   const bool moves_unknown = estimate.to_previous == nullptr && estimate.to_next == nullptr;
   if (!(readout_s > 0) || !(interval_s > 0) || readout_s > kMostIntervals * interval_s || moves_unknown)

@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kMeasureStep_px = 3;  // a ninth of the pixels suffices for a mean and a percentile
 constexpr double kWhitePercentile = 0.995;
-constexpr float kWhiteHeadroom =
-    1.41f;                           // half a stop above the percentile, so that highlights keep their shape
+// Half a stop above the percentile, so that highlights keep their shape.
+constexpr float kWhiteHeadroom = 1.41f;
 constexpr float kLeastContrast = 4;  // white / mid: a flat picture is not stretched to the full display range
 
 float moved_towards(float from, float to, float most_stops) {

@@ -15,8 +15,8 @@ namespace hdrcam {
 // The environment that the program gives to a verb.
 struct Surroundings {
   Storage& storage;
-  const std::atomic<bool>&
-      stop;  // set by the first ^C: finish the frame, close the files, return Interrupted
+  // Set by the first ^C: finish the frame, close the files, return Interrupted.
+  const std::atomic<bool>& stop;
 };
 
 using Verb = std::function<Result<void>(Surroundings&)>;

@@ -30,8 +30,8 @@ namespace hdrcam {
 namespace {
 
 constexpr double kUsualFramerate_hz = 30, kLeastFramerate_hz = 0.1, kMostFramerate_hz = 1000;
-constexpr double kBrightest_nits =
-    10000;  // that PQ can say, where a file does not say what its cycle could see
+// That PQ can say, where a file does not say what its cycle could see.
+constexpr double kBrightest_nits = 10000;
 
 struct EncodeFlags {
   std::string frames;

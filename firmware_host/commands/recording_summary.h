@@ -25,9 +25,9 @@ struct RecordingSummary {
   std::map<std::string, std::uint64_t> verdicts, sources;
   std::optional<BlackLevel> black_level;  // as stated by the first frame
   Duration duration{0};                   // first to last centre of exposure, plus one frame
-  double shortest_exposure_s = 0,
-         longest_exposure_s = 0;  // products of time and gains, 0 where none is known
-  bool amplified = false;         // by a gain other than 1
+  // Products of time and gains, 0 where none is known.
+  double shortest_exposure_s = 0, longest_exposure_s = 0;
+  bool amplified = false;  // by a gain other than 1
   ExposureCycle cycle;
   LeftOut left_out;          // frames that are there, but damaged
   std::string behind;        // a sentence on another recording behind this one in the file; "": none

@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kMostFrames = 1000000, kLeastSide_px = 16;
 constexpr double kNearlyWhole = 1e-6;  // of a second: times are rounded to nanoseconds
-constexpr double kNearlyFrame =
-    1e-3;  // of a frame: those of the year, in doubles, to a quarter of a microsecond
+// Of a frame: those of the year, in doubles, to a quarter of a microsecond.
+constexpr double kNearlyFrame = 1e-3;
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
   if (value >= least && value <= most) return {};

@@ -57,8 +57,8 @@ struct LiveCounters {
   std::uint64_t in_takes = 0;       // of those recorded: in recordings that were started during the run
   std::uint64_t unwritten = 0;      // not recorded: the recording had failed
   std::uint64_t not_requested = 0;  // came while nobody wanted a recording
-  Duration latency{0},
-      longest_latency{0};   // from a frame's arrival to its emission: the last one, the longest
+  // From a frame's arrival to its emission: the last one, the longest.
+  Duration latency{0}, longest_latency{0};
   Duration first_frame{0};  // from the arrival of the first captured frame to the first emission
 
   std::uint64_t captured() const { return camera.captured; }

@@ -36,8 +36,8 @@ struct ExrSequenceOptions {
   ExrLayers layers = {};
   ExrCompression compression = kUsualCompression;
   std::optional<double> framerate_hz = std::nullopt;  // of the camera: framesPerSecond and timeCode
-  std::optional<double> white_cd_m2 =
-      std::nullopt;        // luminance of radiance 1, where the camera has been calibrated
+  // Luminance of radiance 1, where the camera has been calibrated.
+  std::optional<double> white_cd_m2 = std::nullopt;
   std::string owner = {};  // written where not empty
 };
 

@@ -35,8 +35,8 @@ struct FrameRecord {
   ExposureSource exposure_source = ExposureSource::Unknown;
   std::optional<Verdict> verdict;  // on the exposure; none: not judged
   double total_ms = 0;             // the sum of stages_ms
-  FrameValues
-      stages_ms;  // by name(Stage), in the order of the pipeline; a stage that did not run may be missing
+  // By name(Stage), in the order of the pipeline; a stage that did not run may be missing.
+  FrameValues stages_ms;
   FrameValues losses;  // weighted terms of the fit, mean over the frame's steps; empty without a step
   int fit_steps = 0;
   int rung = 0;           // of RunRecord::rungs; 0 without a deadline

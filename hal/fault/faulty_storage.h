@@ -14,15 +14,15 @@
 namespace hdrcam {
 
 struct StorageFaults {
-  std::optional<std::uint64_t> space_bytes =
-      std::nullopt;  // the disk is full once files have grown by so much in all: NoSpace
-  std::optional<std::uint64_t> failing_write =
-      std::nullopt;  // this write_at, counted from 0 over all files, is refused: Io
+  // The disk is full once files have grown by so much in all: NoSpace.
+  std::optional<std::uint64_t> space_bytes = std::nullopt;
+  // This write_at, counted from 0 over all files, is refused: Io.
+  std::optional<std::uint64_t> failing_write = std::nullopt;
   std::optional<std::uint64_t> failing_read = std::nullopt;  // this read_at likewise
   std::optional<std::uint64_t> failing_sync = std::nullopt;  // this sync likewise
   std::optional<std::uint64_t> cut_at_bytes = std::nullopt;  // files opened to read end here
-  std::vector<std::uint64_t> flipped_bits =
-      {};  // of files opened to read, counted from the first bit of the file
+  // Of files opened to read, counted from the first bit of the file.
+  std::vector<std::uint64_t> flipped_bits = {};
 };
 
 class FaultyStorage : public ForwardingStorage {

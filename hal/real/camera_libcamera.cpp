@@ -405,8 +405,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   std::vector<Request> requests_;
   bool first_request_ = false;
 
-  std::mutex
-      completions_mutex_;  // guards what libcamera's thread writes; taken inside mutex_, never around it
+  // Guards what libcamera's thread writes; taken inside mutex_, never around it.
+  std::mutex completions_mutex_;
   std::condition_variable changed_;
   bool started_ = false;  // written under both
   bool gone_ = false;

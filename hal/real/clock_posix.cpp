@@ -13,8 +13,8 @@ namespace hdrcam {
 namespace {
 
 constexpr Duration kOffsetAge = std::chrono::seconds(1);
-constexpr Duration kSameOffset =
-    std::chrono::microseconds(20);  // the difference between two measurements of one offset
+// The difference between two measurements of one offset.
+constexpr Duration kSameOffset = std::chrono::microseconds(20);
 constexpr int kSandwiches = 8;
 
 Duration read(clockid_t clock) {

@@ -92,8 +92,8 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   HDRCAM_CHECK(demuxer != nullptr);
   demuxer->pb = container.stream->context();
   demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
-  const int code =
-      avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);  // frees on failure
+  // Frees the demuxer on failure.
+  const int code = avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);
   if (container.stream->failure()) return *container.stream->failure();
   if (code < 0 && !container.whole)
     return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};

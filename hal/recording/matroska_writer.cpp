@@ -18,8 +18,8 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
-constexpr Duration kSyncInterval =
-    std::chrono::seconds(1);  // of recorded time: the most that a power cut loses
+// Of recorded time: the most that a power cut loses.
+constexpr Duration kSyncInterval = std::chrono::seconds(1);
 constexpr AVRational kMilliseconds = {1, 1000};
 
 struct FreeMuxer {

@@ -52,8 +52,8 @@ float window_value(const House& house, std::uint32_t seed) {
 Colour street(const Look& look) {
   const Vec3 sun = normalized({0.24f, -0.24f, 1});
   const float angle = std::acos(std::clamp(dot(sun, look.direction), -1.f, 1.f));
-  const bool street_ahead =
-      std::abs(look.azimuth - std::atan2(sun.x, sun.z)) < 0.13f;  // no house before the sun
+  // No house before the sun.
+  const bool street_ahead = std::abs(look.azimuth - std::atan2(sun.x, sun.z)) < 0.13f;
   const House house = street_ahead ? House{} : house_at(look, 0.02f, 0.4f);
   const float grain = fractal_noise(look.direction * 40, 3, look.seed + 9);
   if (house.hit) {

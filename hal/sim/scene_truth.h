@@ -14,8 +14,8 @@ struct SceneTruth {
   double time_s = 0;      // the instant, in the time of the scene
   Image<float> radiance;  // [rgb, rows, cols]
   Image<float> depth;     // [1, rows, cols] camera z, metres
-  Image<float>
-      flow;  // [dx dy occluded, rows, cols] pixels to the next instant; occluded: 1 where hidden there
+  // [dx dy occluded, rows, cols] pixels to the next instant; occluded: 1 where hidden there.
+  Image<float> flow;
   Image<std::uint8_t> ids;  // [1, rows, cols] index into Scene::objects
   Pose T_world_camera;
 };

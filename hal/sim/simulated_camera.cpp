@@ -11,8 +11,8 @@ namespace {
 
 constexpr Duration kShortestFrame = std::chrono::milliseconds(1);
 constexpr Duration kExposureStep = std::chrono::microseconds(10);
-constexpr Duration kFirstExposure =
-    std::chrono::milliseconds(4);  // until a control acts, if frames are long enough
+// Until a control acts, if frames are long enough.
+constexpr Duration kFirstExposure = std::chrono::milliseconds(4);
 constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,        PixelFormat::Bgr24,       PixelFormat::Rggb8,
                                     PixelFormat::Rggb10,       PixelFormat::Rggb12,      PixelFormat::Rggb16,
                                     PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed};

@@ -128,8 +128,8 @@ void SimulatedSensor::read_out(const Shot& shot, Image<std::uint16_t>& codes) {
   electrons_.reshape(1, rows, cols);
   const float gain = static_cast<float>(shot.gain) / simulation_.full_well_e;
   pool_.for_rows(rows, [&](int y0, int y1) {
-    const std::span<float> charge(electrons_.row(0, y0),
-                                  static_cast<std::size_t>(cols));  // of each row in turn
+    // Of each row in turn.
+    const std::span<float> charge(electrons_.row(0, y0), static_cast<std::size_t>(cols));
     for (int channel = 0; channel < codes.channels(); ++channel)
       for (int y = y0; y < y1; ++y) {
         read_row(shot, channel, y, charge);

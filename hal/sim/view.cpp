@@ -31,8 +31,8 @@ BoxHit meet_box(Vec3 eye, Vec3 d, Vec3 half) {
   float enter = -kNever, leave = kNever;
   BoxHit hit;
   for (int axis = 0; axis < 3; ++axis) {
-    const float inverse =
-        1 / w[axis];  // infinite for a parallel ray: the slab then contains all of it or nothing
+    // Infinite for a parallel ray: the slab then contains all of it or nothing.
+    const float inverse = 1 / w[axis];
     float t0 = (-h[axis] - o[axis]) * inverse, t1 = (h[axis] - o[axis]) * inverse;
     if (t0 > t1) std::swap(t0, t1);
     if (t0 > enter) enter = t0, hit.axis = axis;

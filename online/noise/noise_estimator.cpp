@@ -20,9 +20,9 @@ constexpr int kStripe = 16;              // rows of those looked at
 constexpr int kWholeFrames = 9;          // at the beginning
 constexpr int kMostTurns = 8;
 constexpr float kMinConfidence = 0.8f;  // of the flow
-constexpr float kFirstCode =
-    clip_policy::kNoisePair.darkest;  // of the shorter exposure, as the longer one predicts it: darker ones
-                                      // are clipped at zero and spread too little
+// Of the shorter exposure, as the longer one predicts it: darker ones are clipped at zero and spread too
+// little.
+constexpr float kFirstCode = clip_policy::kNoisePair.darkest;
 constexpr float kLastCode = clip_policy::kNoisePair.brightest;
 constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 

@@ -6,8 +6,8 @@ namespace hdrcam {
 
 void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
                              const VarianceExcess& excess) {
-  constexpr float kDarkCode =
-      10;  // below it the slope of the response is uncertain: the largest nearby is used
+  // Below it the slope of the response is uncertain: the largest nearby is used.
+  constexpr float kDarkCode = 10;
   constexpr int kBlackCode = 4, kSureCode = 8;
   constexpr float kClean = 0.25f, kRings = 0.75f;  // codes rms
   excess_ = excess;

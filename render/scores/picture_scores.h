@@ -14,8 +14,8 @@ namespace hdrcam {
 // The normalisation of a whole clip.
 struct Normalisation {
   double white = 1;  // radiance that becomes 1
-  std::array<double, 3> gain = {1, 1,
-                                1};  // estimate to truth, per channel: the response's unobservable scale
+  // Estimate to truth, per channel: the response's unobservable scale.
+  std::array<double, 3> gain = {1, 1, 1};
 };
 
 struct ComparablePair {

@@ -152,8 +152,8 @@ class PoseFile : public FrameSink {
   std::optional<Instant> start_;
   bool begun_ = false;
   PosedClip clip_;
-  std::map<int, std::deque<std::vector<ColouredPoint>>>
-      points_;  // by world, of its newest frames that have any
+  // By world, of its newest frames that have any.
+  std::map<int, std::deque<std::vector<ColouredPoint>>> points_;
   ToneAdaptation tone_;
 };
 

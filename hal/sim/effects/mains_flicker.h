@@ -19,8 +19,8 @@ class MainsFlicker {
 
   // Mean brightness over [begin_s, begin_s + exposure_s], 1 on average.
   float factor(double begin_s, double exposure_s) const {
-    const double half_angle =
-        2 * std::numbers::pi * settings_.mains_hz * exposure_s;  // of the light's own period
+    // Of the light's own period.
+    const double half_angle = 2 * std::numbers::pi * settings_.mains_hz * exposure_s;
     const double sinc = half_angle == 0 ? 1 : std::sin(half_angle) / half_angle;
     const double middle_s = begin_s + exposure_s / 2;
     return static_cast<float>(1 + settings_.modulation * sinc *

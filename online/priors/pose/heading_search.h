@@ -12,8 +12,8 @@
 namespace hdrcam {
 
 struct Heading {
-  RigidTransform
-      T_camera_world;  // with the length of the translation such that the median inverse depth is 1
+  // With the length of the translation such that the median inverse depth is 1.
+  RigidTransform T_camera_world;
   std::vector<double> inverse_depths;  // [points]
   double noise = 1;                    // of the flow across the epipolar lines, in sigmas (noise_across)
 };

@@ -15,8 +15,8 @@ namespace hdrcam {
 struct TrackOptions {
   int points = 500;               // grid cells = the most points that are tracked
   float least_confidence = 0.9f;  // of the flow at a point, 0..1
-  float flow_disagreement_px =
-      0.5f;                  // largest difference of the flow within a pixel's neighbours: an edge of motion
+  // Largest difference of the flow within a pixel's neighbours: an edge of motion.
+  float flow_disagreement_px = 0.5f;
   int longest_coast = 4;     // frames a point may go unseen
   int longest_track = 60;    // frames: after that the chained flow has drifted too far
   int outlier_patience = 3;  // frames in a row that a point may contradict the pose

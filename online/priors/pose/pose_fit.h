@@ -43,8 +43,8 @@ struct FitOptions {
   Freedom freedom = Freedom::RotationAndTranslation;
   int steps = 8;           // of Gauss-Newton
   double noise_scale = 1;  // all sigmas times this
-  double widest_sigmas =
-      12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
+  // The robust kernel at the first step: wide, so that a poor start still uses all points.
+  double widest_sigmas = 12;
 };
 
 struct EliminatedDepth;  // both of pose_fit.cpp

@@ -15,8 +15,8 @@ constexpr int kSampleMultiple = 32;
 // entries, 2].
 struct HashLevel {
   float cells[3];  // cells along u, v, inverse depth; whole numbers
-  std::uint32_t
-      stride[3];          // a dense level sums vertex * stride, a hashed level combines them by exclusive or
+  // A dense level sums vertex * stride, a hashed level combines them by exclusive or.
+  std::uint32_t stride[3];
   std::uint32_t entries;  // per slot, a power of two
   bool dense;
 };

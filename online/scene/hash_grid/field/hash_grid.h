@@ -24,8 +24,8 @@ struct HashGridShape {
   int coarsest_cells = 16;  // along u at the first level
   int finest_cells = 320;   // along u at the last level; geometric in between
   float v_ratio = 0.75f;    // cells along v per cell along u
-  float d_ratio =
-      0.25f;  // cells along inverse depth per cell along u: depth varies more slowly than the picture
+  // Cells along inverse depth per cell along u: depth varies more slowly than the picture.
+  float d_ratio = 0.25f;
 
   bool operator==(const HashGridShape&) const = default;
 };

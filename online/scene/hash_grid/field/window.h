@@ -35,8 +35,8 @@ struct FieldObservation {
   float unseen_variance = kUnseenVariance;   // from which on a pixel counts as unseen
   const FlowField* to_previous = nullptr;    // this frame -> previous
   const FlowField* from_previous = nullptr;  // previous frame -> this one
-  const Image<float>* inverse_depth =
-      nullptr;                    // [1, rows, cols] of the window: near / z, NaN where unknown; null: none
+  // [1, rows, cols] of the window: near / z, NaN where unknown; null: none.
+  const Image<float>* inverse_depth = nullptr;
   RigidTransform T_world_camera;  // identity where the camera is fixed or unknown
 };
 
@@ -59,8 +59,8 @@ struct WindowFrame {
   RigidTransform T_world_camera, T_anchor_camera;
   Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is not a measurement
   Image<BasePixel> base;  // [1, rows, cols]
-  Image<float>
-      guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth of the surfaces of the last field
+  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth of the surfaces of the last field.
+  Image<float> guide;
   Image<std::uint8_t> prior_guides;   // as guide: 1 where the depth prior gives the tile's
   Image<float> depth_prior;           // [1, rows, cols], empty without one
   bool has_flow[2] = {false, false};  // by Neighbour
@@ -82,8 +82,8 @@ struct WindowOptions {
   // (fit/vulkan/gpu_rays.cpp).
   static constexpr int kFewestFrames = 2, kMostFrames = 14;
   int frames = 6;  // kFewestFrames..kMostFrames; longer windows cost memory and, in dynamic scenes, quality
-  float trusted_sigma =
-      0.1f;  // of log radiance, 0.01..1: sigma at which networks and state have equal weight
+  // Of log radiance, 0.01..1: sigma at which networks and state have equal weight.
+  float trusted_sigma = 0.1f;
   float default_inverse_depth = 0.3f;  // 0..1, where nothing is known about depth
 };
 
@@ -143,8 +143,8 @@ class Window : public WindowFrames {
                  WorkerPool& pool) const;
 
   WindowOptions options_;
-  std::vector<std::unique_ptr<WindowFrame>>
-      storage_;  // one more than the window's frames; more while snapshots hold some
+  // One more than the window's frames; more while snapshots hold some.
+  std::vector<std::unique_ptr<WindowFrame>> storage_;
   long arrived_ = 0;
 };
 

@@ -9,8 +9,8 @@ namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
 constexpr float kMaxCodeValue = 255;
-constexpr float kDarkest = 1e-5f,
-                kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
+// Of radiance, so that its logarithm and exponential stay finite.
+constexpr float kDarkest = 1e-5f, kBrightest = 1e7f;
 
 inline bool is_number(float v) { return v - v == 0; }
 

@@ -19,8 +19,8 @@ struct FieldOptions {
   float near = 1;        // near plane in the poses' unit, > 0
   // where the rays go
   float newest_share = 0.5f;  // 0..1 of the rays in the newest frame, the rest over the window
-  float uniform_share =
-      0.5f;  // 0..1 of the rays uniformly; the rest where the state is uncertain or the fit is bad
+  // 0..1 of the rays uniformly; the rest where the state is uncertain or the fit is bad.
+  float uniform_share = 0.5f;
   // optimisation
   LossWeights losses = default_loss_weights();
   AdamOptions adam;
