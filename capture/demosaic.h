@@ -15,8 +15,8 @@ constexpr bool is_bayer(PixelLayout layout) {
   return layout != PixelLayout::Rgb && layout != PixelLayout::Mono;
 }
 
-// mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the
-// same codes, clipped to 0 .. max_code, times `scale`. The mosaic is mirrored at the border, which keeps its
+// mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the same
+// codes, clipped to 0 .. max_code, times `scale`. The mosaic is mirrored at the border, which keeps its
 // colour phase.
 void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb,
               float scale = 1);

@@ -1,7 +1,7 @@
 // A frame whose exposure is known: the output of capture/ and the input of the fit. Codes are linear in the
 // file's codes, scaled so that the largest code is 255 and a stated black level is 0 (exposed_stream.h), or
-// their square roots (companding.h); the camera's response is still applied. Exposures are relative to
-// the clip's reference E_ref (geometric mean of the cycle), so that radiance L = 1 saturates the reference
+// their square roots (companding.h); the camera's response is still applied. Exposures are relative to the
+// clip's reference E_ref (geometric mean of the cycle), so that radiance L = 1 saturates the reference
 // exposure (docs/architecture.md). Move-only value.
 #pragma once
 

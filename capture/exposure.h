@@ -42,8 +42,7 @@ inline constexpr double kSameInCycle = 0.2;
 // Exposures in use, listed for people: only rounding is left out, so that what an adaptation changed shows.
 inline constexpr double kSameInList = 0.01;
 
-// Whether an exposure is longer than its frame by more than rounding explains; its time is then
-// wrong.
+// Whether an exposure is longer than its frame by more than rounding explains; its time is then wrong.
 bool outlasts_frame(double exposure_s, double interval_s);
 
 // From the beginning of a frame's exposure to that of the next one's, which is a frame duration however the

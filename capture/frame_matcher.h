@@ -78,8 +78,7 @@ class FrameMatcher {
   // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
   void learn(double log_value) { prediction_.learn(controls_, log_value); }
 
-  // The slot that was requested for the last matched frame, where its exposure is this one; -1
-  // unknown.
+  // The slot that was requested for the last matched frame, where its exposure is this one; -1 unknown.
   int slot_of(const ExposureClaim& label) const;
   // From frame to frame, as measured.
   Duration frame_duration() const { return interval_.value(); }

@@ -37,8 +37,7 @@ class RecordedLabels {
   // Judges each later frame, in order.
   void judge(CapturedFrame& frame);
 
-  // The first objection: a label that was wrong, that the pictures contradict, or that no frame can
-  // have.
+  // The first objection: a label that was wrong, that the pictures contradict, or that no frame can have.
   std::optional<std::string> objection() const;
   // Warnings for the user about the frames so far.
   std::vector<std::string> warnings() const;

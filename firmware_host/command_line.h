@@ -50,8 +50,8 @@ class CommandLine {
   void require_verb();  // for a verb that has verbs of its own
   void on_chosen(const std::function<void()>& action);
 
-  // names: "-o,--output"; "recording" is an argument. The target lives as long as the parser, and
-  // keeps its value unless the user gives one.
+  // names: "-o,--output"; "recording" is an argument. The target lives as long as the parser, and keeps its
+  // value unless the user gives one.
   Flag add_option(const char* names, std::string& target, const char* help);
   Flag add_option(const char* names, std::vector<std::string>& target, const char* help);
   Flag add_option(const char* names, int& target, const char* help);

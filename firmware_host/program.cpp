@@ -136,9 +136,8 @@ std::string meant_by(const std::string& word, const CLI::App& place) {
   return did_you_mean(word, verbs);
 }
 
-// The sentence for a command line that CLI11 refused. An unknown flag comes first, because it
-// usually causes the other errors (its value was taken for a positional, or the intended flag is
-// missing).
+// The sentence for a command line that CLI11 refused. An unknown flag comes first, because it usually causes
+// the other errors (its value was taken for a positional, or the intended flag is missing).
 Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   const NamedVerb verb = innermost(app);
   const CLI::App& place = *verb.app;

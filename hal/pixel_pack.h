@@ -1,5 +1,5 @@
-// Codes -> the bytes of a buffer, for the simulated and the replayed camera, which have no
-// driver. The inverse of the unpacking in capture/; lossy formats (YUV, MJPEG) are not offered.
+// Codes -> the bytes of a buffer, for the simulated and the replayed camera, which have no driver. The
+// inverse of the unpacking in capture/; lossy formats (YUV, MJPEG) are not offered.
 // Reentrant.
 #pragma once
 

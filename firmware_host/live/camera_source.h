@@ -22,8 +22,8 @@ namespace hdrcam {
 
 class CameraSource : public FrameSource, public RunControl {
  public:
-  // Opens camera, lines and recording. limits: the settings replace its memory. Storage and stop
-  // outlive the source. Errors: those of the camera, of the settings, of the disk.
+  // Opens camera, lines and recording. limits: the settings replace its memory. Storage and stop outlive the
+  // source. Errors: those of the camera, of the settings, of the disk.
   static Result<std::unique_ptr<CameraSource>> open(const Settings& settings, LiveOptions limits,
                                                     Storage& storage, const std::atomic<bool>& stop);
 

@@ -5,8 +5,8 @@
 //
 // Capture waits for the camera only. A slow consumer drops frames in a declared order: the fit sheds whole
 // cycles (fit_inbox.h); when the disk is so slow that the pool is full, the newest frame is dropped before
-// recorder and fit, and the next one carries kFrameAfterDrop. The recorder never drops. Every captured
-// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters(), learn_response(),
+// recorder and fit, and the next one carries kFrameAfterDrop. The recorder never drops. Every captured frame
+// is accounted for at every moment (LiveCounters). Thread-bound, except counters(), learn_response(),
 // follow() and what a person may change.
 #pragma once
 
@@ -39,9 +39,8 @@ struct LiveOptions {
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };
 
-// Frames by outcome. At every moment captured() = emitted + dropped() + in_fit where the run fits,
-// and captured() = recorded + not_recorded() + to_record + not_requested; in_fit and to_record are 0 at the
-// end.
+// Frames by outcome. At every moment captured() = emitted + dropped() + in_fit where the run fits, and
+// captured() = recorded + not_recorded() + to_record + not_requested; in_fit and to_record are 0 at the end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
   bool ended = false;            // no further frame is captured

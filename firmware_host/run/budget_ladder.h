@@ -1,9 +1,9 @@
 // What a run gives up to hold its deadline, rung by rung: previews, steps of the field's fit, the field where
-// it only fills, all later frames but one, the flow's quality to medium and to fast, that over clipped
-// parts to coarse, the denser tiles of shrinkage, the look-ahead, the model of motion blur, the flow's
-// quality to coarse, shrinkage, and at last emitted frames; never capture, never the recording: in the order
-// of what a millisecond costs of the picture (docs/decisions/deadline.md). Rung 0 is what was asked for; each
-// rung gives up one thing more than the one before. Plain values; reentrant.
+// it only fills, all later frames but one, the flow's quality to medium and to fast, that over clipped parts
+// to coarse, the denser tiles of shrinkage, the look-ahead, the model of motion blur, the flow's quality to
+// coarse, shrinkage, and at last emitted frames; never capture, never the recording: in the order of what a
+// millisecond costs of the picture (docs/decisions/deadline.md). Rung 0 is what was asked for; each rung
+// gives up one thing more than the one before. Plain values; reentrant.
 #pragma once
 
 #include <string>

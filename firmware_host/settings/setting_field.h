@@ -71,9 +71,8 @@ std::string to_text(const SettingValue& value);  // as a flag takes it
 std::vector<std::string> parts_of(std::string_view text);
 
 // Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is the field's name in the message. Of Times what
-// is wrong with one of them, as parse_exposures says it. The first form
-// reads the value from a text, as a flag gives it; the second one also accepts a whole number for a number
-// and for a choice.
+// is wrong with one of them, as parse_exposures says it. The first form reads the value from a text, as a
+// flag gives it; the second one also accepts a whole number for a number and for a choice.
 Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,
                            Settings& settings);
 Result<void> set(const SettingField& field, const SettingValue& value, std::string_view name,

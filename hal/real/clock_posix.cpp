@@ -37,8 +37,7 @@ Duration measure_offset(clockid_t other) {
 }
 
 // The offset of one clock. A new measurement within the noise of the old one is ignored: the interval
-// between two stamps of a steady clock must not jitter because they were converted at different
-// times.
+// between two stamps of a steady clock must not jitter because they were converted at different times.
 class Offset {
  public:
   explicit Offset(clockid_t other) : other_(other) {}

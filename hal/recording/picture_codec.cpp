@@ -45,8 +45,8 @@ AVPixelFormat pixel_format(RecordingCodec codec, PixelLayout layout, int bits) {
 
 constexpr std::array<int, 3> kPlaneOfRgb = {2, 0, 1};  // the planes of GBRP are green, blue, red
 
-// Where the samples of one row and channel are within a frame. 0RGB32 is a native 32-bit word, red in
-// bits 16..23.
+// Where the samples of one row and channel are within a frame. 0RGB32 is a native 32-bit word, red in bits
+// 16..23.
 template <class Byte>
 Byte* row_of(Byte* const* planes, const int* strides, int plane, int y) {
   return planes[plane] + static_cast<std::ptrdiff_t>(y) * strides[plane];

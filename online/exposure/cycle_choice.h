@@ -1,9 +1,9 @@
 // Chooses the exposures that the next frames should have: the cycle for which the least error is expected
-// (exposure_forecast.h), within the limits of the camera. Where things move, times get shorter and
-// gains higher; where nothing does, times get longer. The least exposure stays, and with it the highlights
-// that it keeps. Slots keep their number and their order, and stay far enough apart for the proof of their
-// labels. The search takes one round per frame; the cycle changes only for a gain that is worth it, and then
-// rests until frames of the new cycle are back. Thread-bound.
+// (exposure_forecast.h), within the limits of the camera. Where things move, times get shorter and gains
+// higher; where nothing does, times get longer. The least exposure stays, and with it the highlights that it
+// keeps. Slots keep their number and their order, and stay far enough apart for the proof of their labels.
+// The search takes one round per frame; the cycle changes only for a gain that is worth it, and then rests
+// until frames of the new cycle are back. Thread-bound.
 #pragma once
 
 #include <optional>

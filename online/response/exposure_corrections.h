@@ -19,8 +19,8 @@ class ExposureCorrections {
   // What the exposure really was, by what the nearest learned one is off: reported times jitter. As stated
   // where none is the same within kSameExposure.
   float corrected(float exposure) const;
-  // All that was learned, shortest exposure first. Of a factor that all share nothing is known: its prior
-  // is 1.
+  // All that was learned, shortest exposure first. Of a factor that all share nothing is known: its prior is
+  // 1.
   std::vector<ExposureCorrection> learned() const;
   // In 1/64 stop: exposures that differ by less are one.
   static int key(float exposure);

@@ -67,8 +67,8 @@ class ResponseEstimator {
   ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve,
                             WorkerPool* pool = nullptr) const;
 
-  // The same where the response is known, of frames with no black level left: what stated exposures
-  // are off, and the noise. Takes some milliseconds.
+  // The same where the response is known, of frames with no black level left: what stated exposures are off,
+  // and the noise. Takes some milliseconds.
   ResponseEstimate estimate_under(const Response& known, const NoiseModel& noise,
                                   WorkerPool* pool = nullptr) const;
 

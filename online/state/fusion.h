@@ -73,8 +73,8 @@ class Fusion {
 
   const FusionOptions& options() const { return options_; }
 
-  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code around the
-  // place of a warped one, or codes itself.
+  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code around the place
+  // of a warped one, or codes itself.
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
@@ -88,10 +88,10 @@ class Fusion {
   // becomes the local contrast of the state, [rgb, rows, cols].
   void gate(const Seen& seen, const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
 
-  // Inverse-variance update of the state by the samples, after subtracting the blur as far as the
-  // state is certain of it; gate, and what was moved to these pixels, may be null. Where no frame saw the
-  // pixel unclipped, the radiance becomes the larger of the bounds. Writes `after`, another estimate than
-  // the state, and each pixel's share of this sample into `share`.
+  // Inverse-variance update of the state by the samples, after subtracting the blur as far as the state is
+  // certain of it; gate, and what was moved to these pixels, may be null. Where no frame saw the pixel
+  // unclipped, the radiance becomes the larger of the bounds. Writes `after`, another estimate than the
+  // state, and each pixel's share of this sample into `share`.
   void update(const Seen& seen, const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
               Image<float>& share, SampleOrder order = SampleOrder::AfterFirst);
 

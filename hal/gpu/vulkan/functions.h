@@ -42,8 +42,8 @@ struct DeviceFunctions {
 struct Loader {
   PFN_vkGetInstanceProcAddr get;
 };
-// NotFound where no loader is installed. Never closed: drivers leave something behind on
-// each thread that has used them.
+// NotFound where no loader is installed. Never closed: drivers leave something behind on each thread that has
+// used them.
 Result<Loader> loader();
 InstanceFunctions instance_functions(PFN_vkGetInstanceProcAddr get, VkInstance instance);
 DeviceFunctions device_functions(PFN_vkGetDeviceProcAddr get, VkDevice device);

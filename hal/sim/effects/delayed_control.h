@@ -25,8 +25,7 @@ class DelayedControl {
     const int after = std::clamp(delay_ + late, 0, kMost);
     pending_[(frame + static_cast<std::uint64_t>(after)) % kSlots] = value;
   }
-  // The value that acts on frame `frame`. Called once per frame, in order, after the writes of that
-  // frame.
+  // The value that acts on frame `frame`. Called once per frame, in order, after the writes of that frame.
   Value latch(std::uint64_t frame) {
     std::optional<Value>& due = pending_[frame % kSlots];
     if (due) current_ = *due, due.reset();

@@ -41,8 +41,7 @@ class PointTracks {
   // For a static camera: pulls each point towards its predicted position, so that noise cannot add up, and
   // does not age them: what they know of depth must outlast any time that the camera stands still.
   void settle(const Intrinsics& lens, const RigidTransform& T_camera_world);
-  // Takes the fitted inverse depths [points] of the points that agree with the pose; drops the
-  // others.
+  // Takes the fitted inverse depths [points] of the points that agree with the pose; drops the others.
   void learn(std::span<const double> inverse_depths, const Intrinsics& lens,
              const RigidTransform& T_camera_world);
   // Updates the flow's noise to `scale` times the assumed one, at the rate 0..1.

@@ -7,8 +7,7 @@ namespace {
 
 using View = ViewGeometry<float>;
 
-// The base where a frame sees a window point; unknown outside its picture. Returns the density prior
-// there.
+// The base where a frame sees a window point; unknown outside its picture. Returns the density prior there.
 float base_at(const View& frame_view, const WindowFrame& frame, const float* point, float* base) {
   float pixel[3];
   frame_view.project(point, pixel, nullptr);

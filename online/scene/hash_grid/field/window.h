@@ -1,7 +1,7 @@
-// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base
-// holds the state of a frame as planes: log radiance, the share that the networks may change (the gate),
-// and the flow to both neighbours. The networks of the field add a residual to the base, so that a field
-// of zero steps renders the state's picture. A pixel of the window may be a block of the stream's pixels
+// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base holds
+// the state of a frame as planes: log radiance, the share that the networks may change (the gate), and the
+// flow to both neighbours. The networks of the field add a residual to the base, so that a field of zero
+// steps renders the state's picture. A pixel of the window may be a block of the stream's pixels
 // (WindowFrustum::step_px): the window then keeps the blocks' means. Frames are ordered by arrival;
 // neighbours are neighbours in that order. Readers (snapshots) hold frames; a held frame is never written:
 // the writer continues in a copy. The constructor allocates all buffers except those copies. Writing is

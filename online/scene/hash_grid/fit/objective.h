@@ -1,6 +1,6 @@
-// The objective of the fit (paper section 3.4 and appendix): for one ray the
-// weighted sum of its losses, reported by name, with the gradients with respect to
-// the ray's picture and its samples. Scalar type T as in ../field/hash_grid.h.
+// The objective of the fit (paper section 3.4 and appendix): for one ray the weighted sum of its losses,
+// reported by name, with the gradients with respect to the ray's picture and its samples. Scalar type T as in
+// ../field/hash_grid.h.
 // Reentrant.
 #pragma once
 
