@@ -1,7 +1,9 @@
 #include "render/views/view_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "render/views/cubic_between_pixels.h"
 
@@ -13,6 +15,52 @@ struct Sight {
   const Keyframe* key;
   float x, y, inverse_depth, rank, weight;
 };
+
+struct Sights {
+  std::array<Sight, 2> of{};
+  std::size_t count = 0;
+
+  void keep_only(std::size_t which) { of[0] = of[which], count = 1; }
+};
+
+constexpr float kLeastWeight = 1e-3f;  // of a frame that is only needed where the other shows nothing
+
+// Leaves out what the other sight replaces: a frame that does not count at this moment only fills what the
+// other does not show, and the nearer of two surfaces covers the farther one.
+void leave_out_hidden(Sights& sights) {
+  constexpr float kSameSurface = 0.3f;  // of rank: beyond it the nearer one covers the other
+  auto& of = sights.of;
+  if (sights.count == 2 && of[0].weight < kLeastWeight) sights.keep_only(1);
+  if (sights.count == 2 && of[1].weight < kLeastWeight) sights.keep_only(0);
+  if (sights.count < 2) return;
+  if (of[0].rank > of[1].rank + kSameSurface)
+    sights.keep_only(0);
+  else if (of[1].rank > of[0].rank + kSameSurface)
+    sights.keep_only(1);
+}
+
+// The mean of the sights at a pixel of the view; its provenance is that of the one that counts most.
+void show(Sights& sights, int y, int x, HdrFrame& frame) {
+  const std::size_t count = sights.count;
+  auto& of = sights.of;
+  float sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += of[i].weight = std::max(of[i].weight, kLeastWeight);
+  float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Sight& sight = of[i];
+    const CubicBetweenPixels at(sight.key->frame.radiance, sight.x, sight.y);
+    const float weight = sight.weight / sum;
+    for (int c = 0; c < 3; ++c) radiance[c] += weight * at.value(c);
+    inverse_depth += weight * sight.inverse_depth;
+    sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
+  }
+  const Sight& most = of[count == 2 && of[1].weight > of[0].weight ? 1 : 0];
+  const CubicBetweenPixels at(most.key->frame.radiance, most.x, most.y);
+  for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
+  frame.depth.at(0, y, x) = 1 / inverse_depth;
+  frame.sigma.at(0, y, x) = sigma;
+  frame.provenance.at(0, y, x) = most.key->frame.provenance.at(0, at.nearest_row(), at.nearest_col());
+}
 
 }  // namespace
 
@@ -81,52 +129,31 @@ void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float shar
 }
 
 void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
-  constexpr float kSameSurface = 0.3f;  // of rank: beyond it the nearer one covers the other
-  constexpr float kLeast = 1e-3f;       // weight of a frame that is only needed where the other shows nothing
   const float shares[2] = {1 - static_cast<float>(interval.share), static_cast<float>(interval.share)};
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
+  const auto sights_at = [&](int y, int x) {
+    Sights sights;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Source& source = sources_[i];
+      if (source.key == nullptr || !(source.answer.inverse.at(0, y, x) > 0)) continue;
+      sights.of[sights.count++] = {source.key,
+                                   source.answer.source.at(0, y, x),
+                                   source.answer.source.at(1, y, x),
+                                   source.answer.inverse.at(0, y, x),
+                                   source.answer.rank.at(0, y, x),
+                                   shares[i]};
+    }
+    return sights;
+  };
   holes_.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols; ++x) {
-        std::array<Sight, 2> sights{};
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < 2; ++i) {
-          const Source& source = sources_[i];
-          if (source.key == nullptr || !(source.answer.inverse.at(0, y, x) > 0)) continue;
-          sights[count++] = {source.key,
-                             source.answer.source.at(0, y, x),
-                             source.answer.source.at(1, y, x),
-                             source.answer.inverse.at(0, y, x),
-                             source.answer.rank.at(0, y, x),
-                             shares[i]};
-        }
-        holes_.at(0, y, x) = count == 0;
-        if (count == 0) continue;
-        // a frame that does not count at this moment only fills what the other does not show
-        if (count == 2 && sights[0].weight < kLeast) sights[0] = sights[1], count = 1;
-        if (count == 2 && sights[1].weight < kLeast) count = 1;
-        if (count == 2) {
-          if (sights[0].rank > sights[1].rank + kSameSurface) count = 1;
-          if (sights[1].rank > sights[0].rank + kSameSurface) sights[0] = sights[1], count = 1;
-        }
-        float sum = 0;
-        for (std::size_t i = 0; i < count; ++i) sum += sights[i].weight = std::max(sights[i].weight, kLeast);
-        float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-          const Sight& sight = sights[i];
-          const CubicBetweenPixels at(sight.key->frame.radiance, sight.x, sight.y);
-          const float weight = sight.weight / sum;
-          for (int c = 0; c < 3; ++c) radiance[c] += weight * at.value(c);
-          inverse_depth += weight * sight.inverse_depth;
-          sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
-        }
-        const Sight& most = sights[count == 2 && sights[1].weight > sights[0].weight ? 1 : 0];
-        const CubicBetweenPixels at(most.key->frame.radiance, most.x, most.y);
-        for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
-        frame.depth.at(0, y, x) = 1 / inverse_depth;
-        frame.sigma.at(0, y, x) = sigma;
-        frame.provenance.at(0, y, x) = most.key->frame.provenance.at(0, at.nearest_row(), at.nearest_col());
+        Sights sights = sights_at(y, x);
+        holes_.at(0, y, x) = sights.count == 0;
+        if (sights.count == 0) continue;
+        leave_out_hidden(sights);
+        show(sights, y, x, frame);
       }
   });
 }
