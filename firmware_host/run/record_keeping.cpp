@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_host/film/virtual_camera.h"
@@ -32,6 +34,51 @@ float farthest_off(const std::vector<ExposureCorrection>& exposures) {
   float most = 0;
   for (const ExposureCorrection& exposure : exposures) most = std::max(most, std::abs(exposure.stops));
   return most;
+}
+
+// What the frames told of the response and of the exposures that were stated.
+void note_response(const SensorModel& sensor, RunRecord& record) {
+  if (const float most = farthest_off(record.exposures); most >= kNotedStops)
+    record.notes.push_back(fmt::format(
+        "exposures: the stated ones are up to {:.2f} stop off, as pictures tell, or the light flickers",
+        most));
+  if (!sensor.response_measured())
+    record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
+  for (const int frame : sensor.relearned())
+    record.notes.push_back(
+        fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
+}
+
+// What a sample is taken to err by.
+void note_errors(const SensorModel& sensor, RunRecord& record) {
+  const NoiseModel& noise = sensor.noise();
+  record.notes.push_back(fmt::format("noise{}: full well {:.0f} electrons, read noise {:.1f} electrons",
+                                     sensor.noise_measured() ? "" : " (assumed, not measured)",
+                                     noise.full_well, noise.read_noise));
+  if (const float share = sensor.texture_error(); share > 0) {
+    const float of_mosaic = sensor.texture_error_of_mosaic();
+    record.notes.push_back(fmt::format("{}: a sample's variance has {:.0f} % of the local contrast",
+                                       of_mosaic == 0 ? "the camera processes textures"
+                                       : share > of_mosaic
+                                           ? "colours of a mosaic, and what else pictures differ by"
+                                           : "colours of a mosaic",
+                                       100 * share));
+  }
+  if (!sensor.blur_shown())
+    record.notes.emplace_back(
+        "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
+        "motion_blur=stated if they do)");
+}
+
+// What the graphics device no longer did.
+void note_fallbacks(const OnlineStage& online, RunRecord& record) {
+  const std::pair<const char*, std::string> reasons[] = {
+      {"the state", online.fallback_reason()},
+      {"the flow", online.flow_fallback_reason()},
+      {"the fit of the field", online.field_fallback_reason()}};
+  for (const auto& [work, reason] : reasons)
+    if (!reason.empty())
+      record.notes.push_back(fmt::format("the processor went on with {}: {}", work, reason));
 }
 
 }  // namespace
@@ -74,46 +121,17 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.response = ResponseCurves{sensor.camera_response().inverse(0), sensor.camera_response().inverse(1),
                                    sensor.camera_response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
+  record.exposures = sensor.exposures().learned();
   if (online.leaves_out_given_poses())
     record.notes.emplace_back(
         "poses: the first frame states none, so they are tracked; those that later frames state have no "
         "part");
-  record.exposures = sensor.exposures().learned();
-  if (const float most = farthest_off(record.exposures); most >= kNotedStops)
-    record.notes.push_back(fmt::format(
-        "exposures: the stated ones are up to {:.2f} stop off, as pictures tell, or the light flickers",
-        most));
-  if (!sensor.response_measured())
-    record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
-  for (const int frame : sensor.relearned())
-    record.notes.push_back(
-        fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
-  const NoiseModel& noise = sensor.noise();
-  record.notes.push_back(fmt::format("noise{}: full well {:.0f} electrons, read noise {:.1f} electrons",
-                                     sensor.noise_measured() ? "" : " (assumed, not measured)",
-                                     noise.full_well, noise.read_noise));
-  if (const float share = sensor.texture_error(); share > 0) {
-    const float of_mosaic = sensor.texture_error_of_mosaic();
-    record.notes.push_back(fmt::format("{}: a sample's variance has {:.0f} % of the local contrast",
-                                       of_mosaic == 0 ? "the camera processes textures"
-                                       : share > of_mosaic
-                                           ? "colours of a mosaic, and what else pictures differ by"
-                                           : "colours of a mosaic",
-                                       100 * share));
-  }
-  if (!sensor.blur_shown())
-    record.notes.emplace_back(
-        "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
-        "motion_blur=stated if they do)");
+  note_response(sensor, record);
+  note_errors(sensor, record);
   const BlackLevel& black = sensor.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
-  if (const std::string reason = online.fallback_reason(); !reason.empty())
-    record.notes.push_back("the processor went on with the state: " + reason);
-  if (const std::string reason = online.flow_fallback_reason(); !reason.empty())
-    record.notes.push_back("the processor went on with the flow: " + reason);
-  if (const std::string reason = online.field_fallback_reason(); !reason.empty())
-    record.notes.push_back("the processor went on with the fit of the field: " + reason);
+  note_fallbacks(online, record);
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
