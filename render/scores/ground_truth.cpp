@@ -56,6 +56,30 @@ Result<T> or_empty(Result<T> read) {
   return read;
 }
 
+// Seconds x gains, which may be left out. which: "frame 3 of 'walk/clip.json'".
+Result<double> exposure_of(const nlohmann::json& frame, const std::string& which) {
+  (void)frame.at("exposure_s");
+  double exposure = 1;
+  for (const char* factor : {"exposure_s", "gain", "digital_gain"}) {
+    const double value = frame.value(factor, 1.0);
+    if (!(value > 0) || !std::isfinite(value))
+      return Error{ErrorCode::BadExposure,
+                   fmt::format("{} states {} {}; it must be above 0", which, factor, value)};
+    exposure *= value;
+  }
+  return exposure;
+}
+
+// Of each frame of the clip.
+std::vector<std::optional<PosePair>> novel_cameras_of(const nlohmann::json& truth, std::size_t frames) {
+  std::vector<std::optional<PosePair>> cameras(frames);
+  const auto poses = truth.value("frames", nlohmann::json::array());
+  for (std::size_t i = 0; i < std::min(poses.size(), cameras.size()); ++i)
+    if (poses[i].contains("c2w") && poses[i].contains("novel_c2w"))
+      cameras[i] = PosePair{poses[i]["c2w"].get<PoseMatrix>(), poses[i]["novel_c2w"].get<PoseMatrix>()};
+  return cameras;
+}
+
 }  // namespace
 
 Result<GroundTruth> GroundTruth::open(Storage& storage, const std::string& clip_folder) {
@@ -77,29 +101,14 @@ Result<void> GroundTruth::read_facts() {
   try {
     cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
     for (const auto& frame : clip.value().at("frames")) {
+      const std::string which = fmt::format("frame {} of '{}'", frames(), clip_path);
       if (const auto stated = frame.find("sequence"); stated != frame.end() && stated->get<double>() < 0)
         return Error{ErrorCode::Corrupt,
-                     fmt::format("frame {} of '{}' states sequence {}; it must be 0 or above", frames(),
-                                 clip_path, stated->dump())};
+                     fmt::format("{} states sequence {}; it must be 0 or above", which, stated->dump())};
       numbers_.push_back(frame.value("sequence", static_cast<std::uint64_t>(frames())));
-      (void)frame.at("exposure_s");  // gains may be left out
-      double exposure = 1;
-      for (const char* factor : {"exposure_s", "gain", "digital_gain"}) {
-        const double value = frame.value(factor, 1.0);
-        if (!(value > 0) || !std::isfinite(value))
-          return Error{ErrorCode::BadExposure,
-                       fmt::format("frame {} of '{}' states {} {}; it must be above 0", frames(), clip_path,
-                                   factor, value)};
-        exposure *= value;
-      }
-      exposures_.push_back(exposure);
+      exposures_.push_back(TRY(exposure_of(frame, which)));
     }
-    novel_cameras_.resize(numbers_.size());
-    const auto poses = truth.value().value("frames", nlohmann::json::array());
-    for (std::size_t i = 0; i < std::min(poses.size(), novel_cameras_.size()); ++i)
-      if (poses[i].contains("c2w") && poses[i].contains("novel_c2w"))
-        novel_cameras_[i] =
-            PosePair{poses[i]["c2w"].get<PoseMatrix>(), poses[i]["novel_c2w"].get<PoseMatrix>()};
+    novel_cameras_ = novel_cameras_of(truth.value(), numbers_.size());
     shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
     for (const int id : truth.value().value("moving_ids", std::vector<int>{}))
       if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;
