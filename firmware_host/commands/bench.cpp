@@ -42,6 +42,31 @@ Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
   return points;
 }
 
+// The command that makes the pages again.
+std::string command_of(const BenchFlags& flags, const CostWalk& plan, const Settings& settings) {
+  std::string command = "hdrcam bench pareto";
+  for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
+  command += " --output " + shell_word(flags.output);
+  for (const std::string& point : flags.points) command += " --point " + shell_word(point);
+  if (plan.frames > 0) command += fmt::format(" --frames {}", plan.frames);
+  if (plan.repeats > 1) command += fmt::format(" --repeats {}", plan.repeats);
+  return command + flags.settings->as_flags(settings);
+}
+
+// Writes the pages into the folder and prints the table. Errors: those of the disk.
+Result<void> show_costs(const std::vector<PointCost>& costs, const std::string& command, int threads,
+                        const std::string& folder, Storage& storage) {
+  const auto write = [&](const char* name, const std::string& text) {
+    return write_whole(storage, folder + "/" + name, std::as_bytes(std::span(text)));
+  };
+  const std::string table = cost_table(costs);
+  TRY(write("pareto.md", table));
+  TRY(write("pareto.json", cost_json(costs, command, threads)));
+  TRY(write("pareto.html", cost_page(costs, command, threads)));
+  say("{}{}/pareto.html: the charts; pareto.json and pareto.md: the figures\n", table, folder);
+  return {};
+}
+
 // The runs have outputs of their own: those of a file of settings are for other verbs.
 Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surroundings& around) {
   if (!flags.settings->given({"machine.trace"}).empty())
@@ -70,22 +95,8 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
     return Error{ErrorCode::Interrupted, "stopped before a point was measured; nothing was written"};
   if (!walked && costs.empty()) return walked.error();
 
-  std::string command = "hdrcam bench pareto";
-  for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
-  command += " --output " + shell_word(flags.output);
-  for (const std::string& point : flags.points) command += " --point " + shell_word(point);
-  if (plan.frames > 0) command += fmt::format(" --frames {}", plan.frames);
-  if (plan.repeats > 1) command += fmt::format(" --repeats {}", plan.repeats);
-  command += flags.settings->as_flags(settings);
-  const int threads = thread_count(settings.fit);
-  const std::string table = cost_table(costs);
-  const auto write = [&](const char* name, const std::string& text) {
-    return write_whole(around.storage, page(name), std::as_bytes(std::span(text)));
-  };
-  TRY(write("pareto.md", table));
-  TRY(write("pareto.json", cost_json(costs, command, threads)));
-  TRY(write("pareto.html", cost_page(costs, command, threads)));
-  say("{}{}/pareto.html: the charts; pareto.json and pareto.md: the figures\n", table, flags.output);
+  TRY(show_costs(costs, command_of(flags, plan, settings), thread_count(settings.fit), flags.output,
+                 around.storage));
   if (interrupted)
     return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} points; the pages hold these",
                                                      costs.size(), plan.points.size() * plan.clips.size())};
