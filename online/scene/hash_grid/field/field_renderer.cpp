@@ -42,6 +42,32 @@ struct PixelMap {
 
 float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(radiance, 0.f, 1e9f) : 0.f; }
 
+void reshape(FieldPicture& picture, int rows, int cols) {
+  picture.radiance.reshape(3, rows, cols);
+  for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence})
+    plane->reshape(1, rows, cols);
+  for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
+}
+
+void clear(FieldPicture& picture) {
+  for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share, &picture.confidence,
+                              &picture.flow[0], &picture.flow[1]})
+    plane->fill(0);
+}
+
+// flow_scale: pixels of the window's camera in one of the picture, by axis.
+void store(const ProbeAnswer& answer, const float* flow_scale, int y, int x, FieldPicture& picture) {
+  for (int c = 0; c < 3; ++c) picture.radiance.at(c, y, x) = presentable(answer.radiance[c]);
+  picture.depth.at(0, y, x) =
+      1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
+  picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
+  picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
+  for (std::size_t n = 0; n < 2; ++n)
+    for (int a = 0; a < 2; ++a)
+      picture.flow[n].at(a, y, x) =
+          std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / flow_scale[a] : 0.f;
+}
+
 }  // namespace
 
 FieldRenderer::FieldRenderer(GpuDevice* gpu) {
@@ -112,34 +138,29 @@ void FieldRenderer::render(const RadianceField& field, const SceneView& view, Wo
 
 void FieldRenderer::render_instant(const RadianceField& field, const SceneView& view, double time_s,
                                    WorkerPool& pool, FieldPicture& picture) {
-  const int rows = view.rows, cols = view.cols;
-  picture.radiance.reshape(3, rows, cols);
-  for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence})
-    plane->reshape(1, rows, cols);
-  for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
+  reshape(picture, view.rows, view.cols);
   const ProbeView from = probe_view(field.window, view.T_world_camera, time_s);
   const PixelMap map(field.window.frustum().camera, view.lens);
+  if (view.wanted != nullptr) {
+    HDRCAM_CHECK(view.wanted->rows() == view.rows && view.wanted->cols() == view.cols);
+    clear(picture);
+  }
+  aim_rays(field, from, view);
+  answers_.resize(rays_.size());
+  if (rays_.empty()) return;
+  look(field, from, pool);
+  pool.for_rows(static_cast<int>(answers_.size()), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
+      store(answers_[i], map.scale, pixels_[i].y, pixels_[i].x, picture);
+  });
+}
+
+// One for each pixel that is wanted, guided by the surface that the nearest frame sees there.
+void FieldRenderer::aim_rays(const RadianceField& field, const ProbeView& from, const SceneView& view) {
   const WindowFrame& frame = field.window.frame(from.frame);
+  const PixelMap map(field.window.frustum().camera, view.lens);
   const bool own = from.T_anchor_camera == frame.T_anchor_camera;  // then a ray's surface is its pixel's
   if (!own) splat_surface(field, from);
-  if (view.wanted != nullptr) {
-    HDRCAM_CHECK(view.wanted->rows() == rows && view.wanted->cols() == cols);
-    for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share,
-                                &picture.confidence, &picture.flow[0], &picture.flow[1]})
-      plane->fill(0);
-  }
-
-  const auto store = [&](int y, int x, const ProbeAnswer& answer) {
-    for (int c = 0; c < 3; ++c) picture.radiance.at(c, y, x) = presentable(answer.radiance[c]);
-    picture.depth.at(0, y, x) =
-        1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
-    picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
-    picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
-    for (std::size_t n = 0; n < 2; ++n)
-      for (int a = 0; a < 2; ++a)
-        picture.flow[n].at(a, y, x) =
-            std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / map.scale[a] : 0.f;
-  };
   const auto guide_at = [&](float px, float py) {
     if (own) {
       const int x = std::clamp(static_cast<int>(px), 0, frame.base.cols() - 1);
@@ -151,20 +172,13 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
     return guide_.at(0, gy, gx);
   };
   rays_.clear(), pixels_.clear();
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < cols; ++x) {
+  for (int y = 0; y < view.rows; ++y)
+    for (int x = 0; x < view.cols; ++x) {
       if (view.wanted != nullptr && view.wanted->at(0, y, x) == 0) continue;
       const float px = map.map(0, x), py = map.map(1, y);
       rays_.push_back({{px, py}, guide_at(px, py)});
       pixels_.push_back({y, x});
     }
-  answers_.resize(rays_.size());
-  if (rays_.empty()) return;
-  look(field, from, pool);
-  pool.for_rows(static_cast<int>(answers_.size()), [&](int first, int last) {
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
-      store(pixels_[i].y, pixels_[i].x, answers_[i]);
-  });
 }
 
 // Along all rays of the view.

@@ -28,6 +28,7 @@ class FieldRenderer final : public RenderBuffers {
 
   void render_instant(const RadianceField& field, const SceneView& view, double time_s, WorkerPool& pool,
                       FieldPicture& picture);
+  void aim_rays(const RadianceField& field, const ProbeView& from, const SceneView& view);
   void splat_surface(const RadianceField& field, const ProbeView& from);
   void look(const RadianceField& field, const ProbeView& from, WorkerPool& pool);
   void fall_back_to_cpu(const Error& why);
