@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_host/commands/command.h"
@@ -135,14 +136,8 @@ Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> file
   return {};
 }
 
-Error stopped_after(std::size_t frames, std::size_t all) {
-  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
-  return {ErrorCode::Interrupted,
-          fmt::format("stopped after {} of {} frames; they are complete", frames, all)};
-}
-
-Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
-  const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
+// Errors: Invalid where no video is named.
+Result<void> check_video_named(const std::string& output) {
   if (output.empty())
     return Error{ErrorCode::Invalid,
                  "no video; give -o x.mp4 (.mov, .mkv), or - for the standard output; see 'hdrcam encode "
@@ -152,42 +147,76 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
                  fmt::format("'{}' is no name of a video; give -o x.mp4 (.mov, .mkv), or - for "
                              "the standard output",
                              output)};
-  // A file of settings serves other verbs, too: what it says of a camera or of other outputs does not count.
+  return {};
+}
+
+// A file of settings serves other verbs, too: what it says of a camera or of other outputs does not count.
+Result<void> check_flags(const EncodeFlags& flags, const Settings& settings, const std::string& output) {
   Settings used;
   used.output.paths["frames"] = output;
   used.video = settings.video;
   TRY(check_ignored_flags(*flags.settings, used));
   if (settings.video.pipe != PipeFormat::Half) TRY(check_video(settings.video));
+  return {};
+}
+
+// The video, which begins with the first file. Thread-bound.
+class EncodedFiles {
+ public:
+  // first: the number of the first file.
+  EncodedFiles(const Settings& settings, std::string output, std::uint64_t first, Storage& storage)
+      : settings_(settings), output_(std::move(output)), first_(first), storage_(storage) {}
+
+  Result<void> add(const NumberedFile& file) {
+    const ExrImage image = TRY(read_exr(storage_, file.path));
+    if (!sink_) {
+      warn_of_primaries(image, file);
+      camera_.framerate_hz = TRY(framerate_of(image, file, settings_.camera.framerate_hz));
+      sink_ = TRY(open_sink(
+          "frames", {.path = output_, .camera = camera_, .video = settings_.video, .storage = storage_}));
+    }
+    const HdrFrame frame = TRY(frame_of(image, file, first_, settings_, camera_.framerate_hz));
+    return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
+  }
+  // Nothing where none was added.
+  Result<void> finish() { return sink_ ? sink_->finish() : Result<void>{}; }
+
+ private:
+  const Settings& settings_;
+  const std::string output_;
+  const std::uint64_t first_;
+  Storage& storage_;
+  CameraFacts camera_;
+  std::unique_ptr<FrameSink> sink_;
+};
+
+Error stopped_after(std::size_t frames, std::size_t all) {
+  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
+  return {ErrorCode::Interrupted,
+          fmt::format("stopped after {} of {} frames; they are complete", frames, all)};
+}
+
+Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
+  const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
+  TRY(check_video_named(output));
+  TRY(check_flags(flags, settings, output));
   const FramePattern pattern = TRY(pattern_of(around.storage, flags.frames));
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
   TRY(flags.kept.check(around.storage, {},
                        {{"--output", output == kStandardOutput ? "" : output, OutputKind::Recording}}));
   TRY(check_one_take(around.storage, files));
 
-  CameraFacts camera;
-  std::unique_ptr<FrameSink> sink;
+  EncodedFiles video(settings, output, files.front().sequence, around.storage);
   Progress progress(stderr, static_cast<int>(files.size()));
-  const auto add = [&](const NumberedFile& file) -> Result<void> {
-    const ExrImage image = TRY(read_exr(around.storage, file.path));
-    if (!sink) {
-      warn_of_primaries(image, file);
-      camera.framerate_hz = TRY(framerate_of(image, file, settings.camera.framerate_hz));
-      sink = TRY(open_sink(
-          "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
-    }
-    const HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
-    return sink->emit({frame, ExposedFrame{}, FrameRecord{}});
-  };
   Result<void> encoded;
   std::size_t frames = 0;  // in the video
   while (encoded && frames < files.size() && !around.stop) {
     Stopwatch watch;
-    encoded = add(files[frames]);
+    encoded = video.add(files[frames]);
     if (encoded) ++frames;
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }
-  if (sink)
-    if (const Result<void> finished = sink->finish(); encoded && !finished) encoded = finished;
+  if (const Result<void> finished = video.finish(); encoded && !finished) encoded = finished;
   if (encoded && frames > 0 && output != kStandardOutput) say("{}: {}\n", output, counted(frames, "frame"));
   if (encoded && frames < files.size()) return stopped_after(frames, files.size());
   return encoded;
