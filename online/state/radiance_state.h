@@ -5,9 +5,9 @@
 
 namespace hdrcam {
 
-// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound. Far above the variance
-// from which on a pixel counts as unseen, by day after a night, too; its quotients by squares of what is
-// barely visible are finite.
+// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound. Far above the
+// variance from which on a pixel counts as unseen, by day after a night, too; its quotients by squares of
+// what is barely visible are finite.
 constexpr float kUnseenVariance = 1e30f;
 // The variance from which on a pixel counts as unseen (`unseen_variance` elsewhere, in kernels
 // `unseen_from`): nothing is known except that it is not black. white: the radiance that saturates the
