@@ -8,72 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/tiff_directory.h"
+
 namespace hdrcam::test {
-
-// One directory of a TIFF file, little endian; entries are added in the order of their tags.
-class TiffDirectory {
- public:
-  void bytes(std::uint16_t tag, const std::vector<std::uint8_t>& values) {
-    add(tag, 1, values.size(), values);
-  }
-  void text(std::uint16_t tag, const std::string& value) {
-    std::vector<std::uint8_t> payload(value.begin(), value.end());
-    payload.push_back(0);
-    add(tag, 2, payload.size(), payload);
-  }
-  void shorts(std::uint16_t tag, const std::vector<std::uint16_t>& values) {
-    std::vector<std::uint8_t> payload;
-    for (const auto value : values) put(payload, value, 2);
-    add(tag, 3, values.size(), payload);
-  }
-  void longs(std::uint16_t tag, const std::vector<std::uint32_t>& values) {
-    std::vector<std::uint8_t> payload;
-    for (const auto value : values) put(payload, value, 4);
-    add(tag, 4, values.size(), payload);
-  }
-  void rationals(std::uint16_t tag, std::uint16_t type, const std::vector<std::uint32_t>& values) {
-    std::vector<std::uint8_t> payload;
-    for (const auto value : values) put(payload, value, 4);
-    add(tag, type, values.size() / 2, payload);
-  }
-
-  // The directory as it stands at `place` of the file: entries, then the payloads that do not fit into them.
-  std::vector<std::uint8_t> at(std::size_t place) const {
-    std::vector<std::uint8_t> head, far;
-    put(head, static_cast<std::uint32_t>(entries_.size()), 2);
-    const std::size_t begin_of_far = place + 2 + 12 * entries_.size() + 4;
-    for (const Entry& entry : entries_) {
-      put(head, entry.tag, 2), put(head, entry.type, 2),
-          put(head, static_cast<std::uint32_t>(entry.count), 4);
-      if (entry.payload.size() > 4) {
-        put(head, static_cast<std::uint32_t>(begin_of_far + far.size()), 4);
-        for (const auto byte : entry.payload) far.push_back(byte);
-        if (far.size() % 2 == 1) far.push_back(0);
-      } else {
-        for (std::size_t i = 0; i < 4; ++i) head.push_back(i < entry.payload.size() ? entry.payload[i] : 0);
-      }
-    }
-    put(head, 0, 4);
-    for (const auto byte : far) head.push_back(byte);
-    return head;
-  }
-
-  static void put(std::vector<std::uint8_t>& to, std::uint32_t value, int size) {
-    for (int i = 0; i < size; ++i) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
-
- private:
-  struct Entry {
-    std::uint16_t tag, type;
-    std::size_t count;
-    std::vector<std::uint8_t> payload;
-  };
-  void add(std::uint16_t tag, std::uint16_t type, std::size_t count,
-           const std::vector<std::uint8_t>& payload) {
-    entries_.push_back({tag, type, count, payload});
-  }
-  std::vector<Entry> entries_;
-};
 
 struct DngStill {
   int rows = 48, cols = 64;
@@ -88,32 +25,33 @@ struct DngStill {
 };
 
 inline std::string write_dng(const std::string& path, const DngStill& still) {
+  constexpr std::uint16_t kColorFilterArray = 32803;  // a photometric interpretation
   const auto rows = static_cast<std::uint32_t>(still.rows), cols = static_cast<std::uint32_t>(still.cols);
   // Offsets of one size whatever they are: the directory is as long with them as without.
   const auto directory = [&](std::uint32_t mosaic_at, std::uint32_t exif_at) {
     TiffDirectory dng;
-    dng.longs(254, {0});
-    dng.longs(256, {cols});
-    dng.longs(257, {rows});
-    dng.shorts(258, {16});
-    dng.shorts(259, {1});
-    dng.shorts(262, {32803});
-    dng.text(271, "Maker");
-    dng.text(272, "Model");
-    dng.longs(273, {mosaic_at});
-    dng.shorts(277, {1});
-    dng.longs(278, {rows});
-    dng.longs(279, {rows * cols * 2});
-    dng.shorts(33421, {2, 2});
-    dng.bytes(33422, still.pattern);
-    dng.longs(34665, {exif_at});
-    dng.bytes(50706, {1, 4, 0, 0});
-    dng.text(50708, "Maker Model");
-    dng.longs(50714, {still.black});
-    dng.longs(50717, {still.white});
-    dng.rationals(50721, 10, {1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1});
-    if (!still.neutral.empty()) dng.rationals(50728, 5, still.neutral);
-    if (!still.active_area.empty()) dng.longs(50829, still.active_area);
+    dng.longs(tiff_tag::kNewSubfileType, {0});
+    dng.longs(tiff_tag::kImageWidth, {cols});
+    dng.longs(tiff_tag::kImageLength, {rows});
+    dng.shorts(tiff_tag::kBitsPerSample, {16});
+    dng.shorts(tiff_tag::kCompression, {1});
+    dng.shorts(tiff_tag::kPhotometricInterpretation, {kColorFilterArray});
+    dng.text(tiff_tag::kMake, "Maker");
+    dng.text(tiff_tag::kModel, "Model");
+    dng.longs(tiff_tag::kStripOffsets, {mosaic_at});
+    dng.shorts(tiff_tag::kSamplesPerPixel, {1});
+    dng.longs(tiff_tag::kRowsPerStrip, {rows});
+    dng.longs(tiff_tag::kStripByteCounts, {rows * cols * 2});
+    dng.shorts(tiff_tag::kCfaRepeatPatternDim, {2, 2});
+    dng.bytes(tiff_tag::kCfaPattern, still.pattern);
+    dng.longs(tiff_tag::kExifDirectory, {exif_at});
+    dng.bytes(tiff_tag::kDngVersion, {1, 4, 0, 0});
+    dng.text(tiff_tag::kUniqueCameraModel, "Maker Model");
+    dng.longs(tiff_tag::kBlackLevel, {still.black});
+    dng.longs(tiff_tag::kWhiteLevel, {still.white});
+    dng.signed_rationals(tiff_tag::kColorMatrix1, {1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1});
+    if (!still.neutral.empty()) dng.rationals(tiff_tag::kAsShotNeutral, still.neutral);
+    if (!still.active_area.empty()) dng.longs(tiff_tag::kActiveArea, still.active_area);
     return dng.at(8);
   };
   const auto mosaic_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());
@@ -123,11 +61,11 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
   for (int y = 0; y < still.rows; ++y)
     for (int x = 0; x < still.cols; ++x) TiffDirectory::put(bytes, still.code_at(y, x), 2);
   TiffDirectory exif;
-  exif.rationals(33434, 5, {1, still.shutter_per_s});
-  exif.rationals(33437, 5, {56, 10});
-  exif.shorts(34855, {still.iso});
-  if (!still.date_time.empty()) exif.text(36867, still.date_time);
-  if (!still.sub_second.empty()) exif.text(37521, still.sub_second);
+  exif.rationals(tiff_tag::kExposureTime, {1, still.shutter_per_s});
+  exif.rationals(tiff_tag::kFNumber, {56, 10});
+  exif.shorts(tiff_tag::kIsoSpeed, {still.iso});
+  if (!still.date_time.empty()) exif.text(tiff_tag::kDateTimeOriginal, still.date_time);
+  if (!still.sub_second.empty()) exif.text(tiff_tag::kSubSecTimeOriginal, still.sub_second);
   for (const auto byte : exif.at(exif_at)) bytes.push_back(byte);
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -17,6 +17,7 @@
 #include "hal/recording/libav.h"
 #include "hal/video/picture_converter.h"
 #include "hal/video/video_writer.h"
+#include "tests/support/tiff_directory.h"
 
 namespace hdrcam::test {
 
@@ -92,63 +93,29 @@ struct Exif {
   std::uint32_t time_numerator = 1, time_denominator = 250;
   std::uint16_t iso = 100;
   std::uint32_t f_number_tenths = 28;
-  std::string date_time = {}, sub_second = {},
-              offset = {};  // DateTimeOriginal and what goes with it; "": none
+  // DateTimeOriginal and what goes with it; "": none.
+  std::string date_time = {}, sub_second = {}, offset = {};
 };
 
 // The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory.
 inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
-  using Bytes = std::vector<std::uint8_t>;
-  const auto put = [](Bytes& to, std::uint32_t value, int size) {
-    for (int i = 0; i < size; ++i) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  constexpr std::uint32_t kFirst = 8, kSecond = 26;  // places of the two directories
+  TiffDirectory file, tags;
+  file.longs(tiff_tag::kExifDirectory, {kSecond});
+  tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
+  tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
+  tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
+  const auto text = [&](std::uint16_t tag, const std::string& value) {
+    if (!value.empty()) tags.text(tag, value);
   };
-  constexpr std::uint32_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kDirectory = 26;
-  struct Entry {
-    std::uint32_t tag, type, count;
-    Bytes value;
-  };
-  std::vector<Entry> entries;
-  const auto rational = [&](std::uint32_t tag, std::uint32_t numerator, std::uint32_t denominator) {
-    Bytes value;
-    put(value, numerator, 4), put(value, denominator, 4);
-    entries.push_back({tag, kRational, 1, value});
-  };
-  const auto text = [&](std::uint32_t tag, const std::string& value) {
-    if (value.empty()) return;
-    Bytes bytes(value.begin(), value.end());
-    bytes.push_back(0);
-    entries.push_back({tag, kAscii, static_cast<std::uint32_t>(bytes.size()), bytes});
-  };
-  rational(0x829a, exif.time_numerator, exif.time_denominator);  // ExposureTime
-  rational(0x829d, exif.f_number_tenths, 10);                    // FNumber
-  entries.push_back(
-      {0x8827, kShort, 1, {static_cast<std::uint8_t>(exif.iso), static_cast<std::uint8_t>(exif.iso >> 8)}});
-  text(0x9003, exif.date_time), text(0x9011, exif.offset), text(0x9291, exif.sub_second);
-
-  Bytes bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I'}, far;
-  put(bytes, 42, 2), put(bytes, 8, 4);
-  put(bytes, 1, 2);  // at 8: one entry, the EXIF directory
-  put(bytes, 0x8769, 2), put(bytes, kLong, 2), put(bytes, 1, 4), put(bytes, kDirectory, 4);
-  put(bytes, 0, 4);                                           // no further directory
-  put(bytes, static_cast<std::uint32_t>(entries.size()), 2);  // at kDirectory
-  const std::size_t begin_of_far =
-      kDirectory + 2 + 12 * entries.size() + 4;  // what does not fit into an entry
-  for (Entry& entry : entries) {
-    put(bytes, entry.tag, 2), put(bytes, entry.type, 2), put(bytes, entry.count, 4);
-    if (entry.value.size() > 4) {
-      put(bytes, static_cast<std::uint32_t>(begin_of_far + far.size()), 4);
-      if (entry.value.size() % 2 == 1) entry.value.push_back(0);
-      far.insert(far.end(), entry.value.begin(), entry.value.end());
-    } else {
-      entry.value.resize(4);
-      bytes.insert(bytes.end(), entry.value.begin(), entry.value.end());
-    }
-  }
-  put(bytes, 0, 4);
-  bytes.insert(bytes.end(), far.begin(), far.end());
+  text(tiff_tag::kDateTimeOriginal, exif.date_time);
+  text(tiff_tag::kOffsetTimeOriginal, exif.offset);
+  text(tiff_tag::kSubSecTimeOriginal, exif.sub_second);
+  std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, kFirst, 0, 0, 0};
+  for (const auto& directory : {file.at(kFirst), tags.at(kSecond)})
+    bytes.insert(bytes.end(), directory.begin(), directory.end());
   return bytes;
 }
-
 // rgb: as above. Without chroma subsampling, of quality 100.
 inline void write_jpeg(const std::string& path, const Image<std::uint16_t>& rgb,
                        const std::optional<Exif>& exif) {

@@ -11,8 +11,8 @@
 
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/support/dng_file.h"
 #include "tests/support/footage_files.h"
+#include "tests/support/tiff_directory.h"
 
 #include "tests/support/files.h"
 
@@ -82,17 +82,18 @@ std::string png(const std::string& path, const Image<std::uint16_t>& rgb, int bi
 std::string tiff(const std::string& path, const Image<std::uint16_t>& rgb) {
   const auto rows = static_cast<std::uint32_t>(rgb.rows()), cols = static_cast<std::uint32_t>(rgb.cols());
   const auto directory = [&](std::uint32_t strip_at) {
+    namespace tag = test::tiff_tag;
     test::TiffDirectory tags;
-    tags.longs(256, {cols});
-    tags.longs(257, {rows});
-    tags.shorts(258, {16, 16, 16});
-    tags.shorts(259, {1});
-    tags.shorts(262, {2});
-    tags.longs(273, {strip_at});
-    tags.shorts(277, {3});
-    tags.longs(278, {rows});
-    tags.longs(279, {rows * cols * 6});
-    tags.shorts(296, {2});
+    tags.longs(tag::kImageWidth, {cols});
+    tags.longs(tag::kImageLength, {rows});
+    tags.shorts(tag::kBitsPerSample, {16, 16, 16});
+    tags.shorts(tag::kCompression, {1});
+    tags.shorts(tag::kPhotometricInterpretation, {2});
+    tags.longs(tag::kStripOffsets, {strip_at});
+    tags.shorts(tag::kSamplesPerPixel, {3});
+    tags.longs(tag::kRowsPerStrip, {rows});
+    tags.longs(tag::kStripByteCounts, {rows * cols * 6});
+    tags.shorts(tag::kResolutionUnit, {2});
     return tags.at(8);
   };
   std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};
