@@ -6,7 +6,6 @@
 // stop(); no allocation per frame after the first.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <optional>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "capture/exposure_adaptation.h"
+#include "capture/exposure_advice.h"
 #include "capture/exposure_proof.h"
 #include "capture/trigger_ledger.h"
 #include "hal/core/frame.h"

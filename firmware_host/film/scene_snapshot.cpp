@@ -1,7 +1,5 @@
 #include "firmware_host/film/scene_snapshot.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

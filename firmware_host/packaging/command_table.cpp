@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 
 #include "firmware_host/settings/setting_fields.h"
 #include "hal/core/split_text.h"

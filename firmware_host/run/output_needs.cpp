@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/settings/without_field.h"
 #include "firmware_host/sinks/sink_set.h"

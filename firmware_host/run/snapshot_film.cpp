@@ -1,7 +1,5 @@
 #include "firmware_host/run/snapshot_film.h"
 
-#include <fmt/format.h>
-
 #include <future>
 #include <optional>
 #include <utility>

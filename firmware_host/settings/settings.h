@@ -9,10 +9,10 @@
 
 #include "capture/exposure_limits.h"
 #include "capture/frame_matcher.h"
-#include "capture/pixel_unpack.h"
 #include "firmware_host/log_format.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/video_options.h"
+#include "hal/camera.h"
 #include "hal/recording/recording.h"
 #include "hal/replay/replay_pace.h"
 #include "hal/trigger_line.h"

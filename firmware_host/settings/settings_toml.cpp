@@ -4,8 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
-#include <limits>
 #include <map>
 #include <optional>
 #include <vector>

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/core/check.h"
-
 namespace hdrcam {
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <system_error>
 
 #include "hal/core/folder_listing.h"
 #include "hal/core/parse_number.h"
