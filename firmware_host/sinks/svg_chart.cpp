@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace hdrcam {
 namespace {
@@ -35,12 +36,19 @@ struct Frame {
   }
 };
 
-bool shown(double value, bool logarithmic) { return std::isfinite(value) && (!logarithmic || value > 0); }
+enum class Scale { Linear, Logarithmic };
 
-Range range_of(const std::vector<double>& values, bool logarithmic) {
+Scale vertical_scale(const Chart& chart) { return chart.logarithmic_y ? Scale::Logarithmic : Scale::Linear; }
+
+bool shown(double value, Scale scale) {
+  return std::isfinite(value) && (scale == Scale::Linear || value > 0);
+}
+
+Range range_of(const std::vector<double>& values, Scale scale) {
+  const bool logarithmic = scale == Scale::Logarithmic;
   Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const double value : values) {
-    if (!shown(value, logarithmic)) continue;
+    if (!shown(value, scale)) continue;
     range.least = std::min(range.least, value);
     range.most = std::max(range.most, value);
   }
@@ -55,7 +63,7 @@ Range range_of(const std::vector<double>& values, bool logarithmic) {
 // The vertical range: as the chart sets it, otherwise from the values with a small margin above.
 Range vertical_range(const Chart& chart, const std::vector<double>& values) {
   constexpr double kAir = 0.04;
-  Range range = range_of(values, chart.logarithmic_y);
+  Range range = range_of(values, vertical_scale(chart));
   if (!chart.logarithmic_y) range.most += kAir * (range.most - range.least);
   return {chart.y_least.value_or(range.least), chart.y_most.value_or(range.most)};
 }
@@ -175,14 +183,14 @@ std::string line_chart(const Chart& chart) {
   for (const ChartSeries& series : chart.series)
     values.insert(values.end(), series.y.begin(), series.y.end());
   if (chart.limit) values.push_back(chart.limit->y);
-  const Frame frame{range_of(chart.x, false), vertical_range(chart, values), chart.logarithmic_y};
+  const Frame frame{range_of(chart.x, Scale::Linear), vertical_range(chart, values), chart.logarithmic_y};
   std::string svg = opened(chart) + axes(chart, frame);
   auto out = std::back_inserter(svg);
   for (const ChartSeries& series : chart.series) {
     std::string path;
     bool pen_down = false;
     for (std::size_t i = 0; i < series.y.size(); ++i) {
-      const bool visible = shown(series.y[i], chart.logarithmic_y);
+      const bool visible = shown(series.y[i], vertical_scale(chart));
       if (visible)
         fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", pen_down ? "L" : "M",
                        frame.right_of(chart.x[i]), frame.height_of(series.y[i]));
@@ -199,7 +207,7 @@ std::string marked_points(const Chart& chart, const std::vector<std::string>& na
   std::vector<double> values;
   for (const ChartSeries& series : chart.series)
     values.insert(values.end(), series.y.begin(), series.y.end());
-  Range across = range_of(chart.x, false);
+  Range across = range_of(chart.x, Scale::Linear);
   const double air = kAir * (across.most - across.least);
   across.least -= air, across.most += air;
   const Frame frame{across, vertical_range(chart, values), chart.logarithmic_y};
@@ -207,7 +215,7 @@ std::string marked_points(const Chart& chart, const std::vector<std::string>& na
   auto out = std::back_inserter(svg);
   for (const ChartSeries& series : chart.series)
     for (std::size_t i = 0; i < series.y.size(); ++i) {
-      if (!shown(series.y[i], chart.logarithmic_y)) continue;
+      if (!shown(series.y[i], vertical_scale(chart))) continue;
       const double x = frame.right_of(chart.x[i]), y = frame.height_of(series.y[i]);
       fmt::format_to(out, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", x, y, series.colour);
       fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 6, y - 5, escaped(names[i]));
@@ -219,7 +227,7 @@ std::string stacked_bars(const Chart& chart) {
   std::vector<double> totals(chart.x.size(), 0.0);
   for (const ChartSeries& series : chart.series)
     for (std::size_t i = 0; i < totals.size(); ++i)
-      if (shown(series.y[i], false)) totals[i] += series.y[i];
+      if (shown(series.y[i], Scale::Linear)) totals[i] += series.y[i];
   std::vector<double> values = totals;
   values.push_back(0);
   if (chart.limit) values.push_back(chart.limit->y);
@@ -235,7 +243,7 @@ std::string stacked_bars(const Chart& chart) {
   for (const ChartSeries& series : chart.series) {
     fmt::format_to(out, "<path fill=\"{}\" d=\"", series.colour);
     for (std::size_t i = 0; i < chart.x.size(); ++i) {
-      if (!shown(series.y[i], false) || series.y[i] <= 0) continue;
+      if (!shown(series.y[i], Scale::Linear) || series.y[i] <= 0) continue;
       const double left = frame.right_of(chart.x[i] - width / 2),
                    right = frame.right_of(chart.x[i] + width / 2);
       const double low = frame.height_of(base[i]), high = frame.height_of(base[i] + series.y[i]);

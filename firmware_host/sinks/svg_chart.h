@@ -3,7 +3,6 @@
 // and dark. Reentrant.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -79,7 +79,10 @@ Result<void> set_reports(Simulation& s, std::string_view key, std::string_view v
   return {};
 }
 
-Result<void> set_effects(Simulation& s, std::string_view key, std::string_view value, bool on) {
+enum class Wanted { With, Without };
+
+Result<void> set_effects(Simulation& s, std::string_view key, std::string_view value, Wanted wanted) {
+  const bool on = wanted == Wanted::With;
   for (const std::string_view name_text : split_list(value, ',')) {
     const auto effect = effect_of(name_text);
     if (!effect) return invalid(key, name_text, fmt::format("the effects are {}", effect_names()));
@@ -128,9 +131,9 @@ constexpr Setting kSettings[] = {
     {"rays", "least rays per pixel: 4, or 1: faster, with jagged outlines", set_rays},
     {"reports", "yes or no: buffers report their exposure, and the camera its raw black level", set_reports},
     {"with", "effects to add, separated by commas",
-     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},
+     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, Wanted::With); }},
     {"without", "effects to leave out",
-     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, false); }},
+     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, Wanted::Without); }},
 };
 
 std::string scene_names() {
