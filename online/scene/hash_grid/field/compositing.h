@@ -11,6 +11,9 @@
 namespace hdrcam {
 
 constexpr int kMaxSamples = 16;  // per ray
+// Added to the sum of both densities: keeps the share defined where both branches are empty.
+template <class T>
+inline constexpr T kEmptyDensity = T(1e-6);
 
 template <class T>
 struct Composite {
@@ -23,10 +26,9 @@ struct Composite {
 
 template <class T>
 void composite_ray(const T* spacing, Composite<T>& ray) {
-  constexpr T kEmpty = T(1e-6);  // keeps the share defined where both branches are empty
   T light = 1;
   for (int k = 0; k < ray.count; ++k) {
-    const T total = ray.density[0][k] + ray.density[1][k] + kEmpty;
+    const T total = ray.density[0][k] + ray.density[1][k] + kEmptyDensity<T>;
     ray.share[k] = ray.density[1][k] / total;
     ray.passed[k] = k + 1 < ray.count ? std::exp(-total * spacing[k]) : T(0);
     ray.transmittance[k] = light;
@@ -39,10 +41,9 @@ void composite_ray(const T* spacing, Composite<T>& ray) {
 template <class T>
 void composite_backward(const T* spacing, const Composite<T>& ray, const T* d_weight, const T* d_share,
                         T (*d_density)[kMaxSamples]) {
-  constexpr T kEmpty = T(1e-6);
   T behind = 0;  // sum over the samples behind k of w d_weight
   for (int k = ray.count - 1; k >= 0; --k) {
-    const T total = ray.density[0][k] + ray.density[1][k] + kEmpty;
+    const T total = ray.density[0][k] + ray.density[1][k] + kEmptyDensity<T>;
     const T d_total =
         k + 1 < ray.count ? spacing[k] * (ray.transmittance[k] * ray.passed[k] * d_weight[k] - behind) : T(0);
     behind += ray.weight[k] * d_weight[k];

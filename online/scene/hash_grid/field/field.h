@@ -2,8 +2,7 @@
 // frames.
 //   static (u, v, d)      -> density, log radiance residual (3), blending weight v
 //   dynamic (u, v, d, t)  -> density, log radiance residual (3), scene flow to the next and the previous
-//                            frame (6),
-//                            occlusion weights (2)
+//                            frame (6), occlusion weights (2)
 // A sample's radiance is exp(base + gate * residual), where base and gate are read from the frame's planes at
 // the pixel that sees the sample: unbounded, and with an untrained network exactly the state's picture. Scene
 // flow is base flow + residual. Scalar type T as in hash_grid.h. Evaluation is reentrant, each caller with
