@@ -94,59 +94,83 @@ DelayEstimate DelayCalibration::estimate() const {
   return estimate;
 }
 
-Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
-                                    const std::atomic<bool>& stop) {
-  constexpr int kFrames = 10;  // that a camera may leave out or take for its start
-  const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * how.mode.frame_duration);
-  constexpr std::size_t kAsked = 64;
-  const PixelCodes kind = codes_of(how.mode.format);
-  DelayCalibration calibration(how.shorter, how.longer,
-                               PhotometricResponse::before_any_fit(kind.linear, std::nullopt));
-  std::array<Exposure, kAsked> asked{};  // by cookie
-  const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(how.frames);
-  PhotometricSignature picture;
-  Image<std::uint16_t> codes;
-  std::uint64_t cookie = 0, index = 0, sequence = 0;
+namespace {
+
+// The requests of a measurement, in order, each with its exposure.
+class CalibrationRequests {
+ public:
+  CalibrationRequests(Camera& camera, DelayCalibration& calibration)
+      : camera_(camera), calibration_(calibration) {}
+
   // Returns whether there was a free buffer: a device may have fewer than requested. If not, the exposure
   // waits.
-  std::optional<Exposure> pending;
-  const auto queue_next = [&]() -> Result<bool> {
-    if (!pending) pending = calibration.next();
-    const Result<void> queued = camera.queue({cookie, pending->time, pending->gain});
+  Result<bool> queue_next() {
+    if (!pending_) pending_ = calibration_.next();
+    const Result<void> queued = camera_.queue({cookie_, pending_->time, pending_->gain});
     if (!queued && queued.error().code == ErrorCode::Busy) return false;
     TRY(Result<void>(queued));
-    asked[cookie++ % kAsked] = *pending;
-    pending.reset();
+    asked_[cookie_++ % kAsked] = *pending_;
+    pending_.reset();
     return true;
-  };
-  const auto run = [&]() -> Result<void> {
-    for (int i = 0; i < how.buffers && TRY(queue_next()); ++i) continue;
-    for (int i = 0; i < how.frames && index < last_index; ++i) {
-      if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
-      bool readable = false;
-      std::uint64_t completed = 0;
-      {
-        const CapturedBuffer buffer = TRY(camera.wait(patience));
-        if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
-        sequence = buffer.sequence;
-        completed = buffer.cookie;
-        readable = !buffer.damaged && unpack_pixels(buffer, how.unpack, codes).ok();
-      }  // the buffer goes back before the next request needs it
-      TRY(queue_next());
-      const Exposure& after = asked[(completed + 1) % kAsked];
-      if (!readable) {
-        calibration.note_request(index, after);
-        continue;
-      }
-      calibration.photometer().observe(codes, kind.layout, kind.bits, picture);
-      calibration.observe(index, picture, after);
+  }
+  // The exposure that was requested after the one with this cookie.
+  const Exposure& after(std::uint64_t cookie) const { return asked_[(cookie + 1) % kAsked]; }
+
+ private:
+  static constexpr std::size_t kAsked = 64;
+
+  Camera& camera_;
+  DelayCalibration& calibration_;
+  std::array<Exposure, kAsked> asked_{};  // by cookie
+  std::uint64_t cookie_ = 0;
+  std::optional<Exposure> pending_;
+};
+
+// Shows the calibration the pictures of a camera that is started.
+Result<void> observe_pictures(Camera& camera, const DelayMeasurement& how, const std::atomic<bool>& stop,
+                              DelayCalibration& calibration) {
+  constexpr int kFrames = 10;  // that a camera may leave out or take for its start
+  const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * how.mode.frame_duration);
+  const PixelCodes kind = codes_of(how.mode.format);
+  const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(how.frames);
+  CalibrationRequests requests(camera, calibration);
+  PhotometricSignature picture;
+  Image<std::uint16_t> codes;
+  std::uint64_t index = 0, sequence = 0;
+  for (int i = 0; i < how.buffers && TRY(requests.queue_next()); ++i) continue;
+  for (int i = 0; i < how.frames && index < last_index; ++i) {
+    if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
+    bool readable = false;
+    std::uint64_t completed = 0;
+    {
+      const CapturedBuffer buffer = TRY(camera.wait(patience));
+      if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
+      sequence = buffer.sequence;
+      completed = buffer.cookie;
+      readable = !buffer.damaged && unpack_pixels(buffer, how.unpack, codes).ok();
+    }  // the buffer goes back before the next request needs it
+    TRY(requests.queue_next());
+    if (!readable) {
+      calibration.note_request(index, requests.after(completed));
+      continue;
     }
-    return {};
-  };
+    calibration.photometer().observe(codes, kind.layout, kind.bits, picture);
+    calibration.observe(index, picture, requests.after(completed));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
+                                    const std::atomic<bool>& stop) {
+  const bool linear = codes_of(how.mode.format).linear;
+  DelayCalibration calibration(how.shorter, how.longer,
+                               PhotometricResponse::before_any_fit(linear, std::nullopt));
   TRY(camera.start());
-  const Result<void> ran = run();
+  const Result<void> observed = observe_pictures(camera, how, stop, calibration);
   TRY(camera.stop());
-  TRY(Result<void>(ran));
+  TRY(Result<void>(observed));
   return calibration.estimate();
 }
 
