@@ -269,6 +269,16 @@ int VideoFile::missing_at_end() const {
 
 // From the first frame: how its codes become RGB.
 Result<void> VideoFile::prepare() {
+  TRY(take_format());
+  const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
+  unpacked_ =
+      Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
+  const bool are_wanted = from_.colors != PictureColors::Yuv && from_.range == CodeRange::Full;
+  return are_wanted ? Result<void>{} : open_converter();
+}
+
+// What its codes are.
+Result<void> VideoFile::take_format() {
   const AVFrame& frame = *frame_;
   const auto pixel_format = static_cast<AVPixelFormat>(frame.format);
   const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(pixel_format);
@@ -292,22 +302,20 @@ Result<void> VideoFile::prepare() {
     from_.chroma_shift_x = format.log2_chroma_w, from_.chroma_shift_y = format.log2_chroma_h;
   from_.width_px = rounded_up(frame.width, from_.chroma_shift_x);
   from_.height_px = rounded_up(frame.height, from_.chroma_shift_y);
-  const bool limited = rgb    ? frame.color_range == AVCOL_RANGE_MPEG
-                       : grey ? frame.color_range == AVCOL_RANGE_MPEG
-                              : !is_full_range(frame);
+  const bool limited = rgb || grey ? frame.color_range == AVCOL_RANGE_MPEG : !is_full_range(frame);
   from_.range = limited ? CodeRange::Limited : CodeRange::Full;
   from_.chroma_site = chroma_site_of(frame);
   const bool still = demuxer_->streams[track_]->codecpar->codec_id == AV_CODEC_ID_MJPEG;
   if (from_.colors == PictureColors::Yuv) from_.tags.matrix = matrix_of(frame, still);
   facts_.bits = from_.colors == PictureColors::Yuv ? std::max(10, from_.bits) : from_.bits;
+  return {};
+}
 
-  const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
-  unpacked_ =
-      Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
-  if (from_.colors != PictureColors::Yuv && !limited) return {};  // the codes are what is wanted
+// To RGB or grey of the full range.
+Result<void> VideoFile::open_converter() {
   to_ = from_;
   to_.bits = facts_.bits, to_.range = CodeRange::Full, to_.chroma_shift_x = to_.chroma_shift_y = 0;
-  to_.colors = grey ? PictureColors::Grey : PictureColors::Rgb;
+  to_.colors = from_.colors == PictureColors::Grey ? PictureColors::Grey : PictureColors::Rgb;
   to_.tags = {};
   converted_ = Image<std::uint16_t>(to_.planes(), unpacked_.rows(), unpacked_.cols());
   auto converter = PictureConverter::create(from_, to_);

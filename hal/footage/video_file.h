@@ -44,6 +44,8 @@ class VideoFile : public PictureFile {
   void lose_until_key();
   int missing_at_end() const;
   Result<void> prepare();
+  Result<void> take_format();
+  Result<void> open_converter();
   Result<void> unpack(Image<std::uint16_t>& codes);
   Error refused(ErrorCode code, const std::string& why) const;
 
