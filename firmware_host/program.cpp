@@ -78,7 +78,7 @@ std::string help_text(const CLI::App& app) {
     text += fmt::format("  {:<11}{}\n             $ {}\n", verb.name,
                         app.get_subcommand(verb.name)->get_description(), verb.example);
   }
-  text += "\n^C ends a run cleanly after the current frame; a second ^C ends it at once.\n\n";
+  text += "\n^C ends a run cleanly after the current frame; another ^C a moment later ends it at once.\n\n";
   return text + exit_code_text();
 }
 
