@@ -14,8 +14,9 @@ class ForwardingStorage : public Storage {
                                               Creation how = Creation::Replace) override {
     return inner_.create(path, how);
   }
-  Result<void> rename(const std::string& from, const std::string& to) override {
-    return inner_.rename(from, to);
+  Result<void> rename(const std::string& from, const std::string& to,
+                      Creation how = Creation::Replace) override {
+    return inner_.rename(from, to, how);
   }
   Result<void> remove(const std::string& path) override { return inner_.remove(path); }
   Result<void> make_directories(const std::string& path) override { return inner_.make_directories(path); }

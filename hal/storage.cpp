@@ -76,15 +76,17 @@ Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
   return std::unique_ptr<StorageFile>(std::make_unique<File>(std::move(file), names_));
 }
 
+Error FileInMaking::written_meanwhile() {
+  ours_ = false;
+  return {ErrorCode::Exists,
+          fmt::format("'{}' was written by another program meanwhile; it stays, and this one is '{}'",
+                      names_.asked, path())};
+}
+
 Result<void> FileInMaking::check_earlier() {
   const FileFacts now = TRY(storage_->look_at(earlier_.real_path));
   if (now.kind == FileKind::Missing) return {};
-  if (!same_file(now, earlier_)) {
-    ours_ = false;
-    return Error{ErrorCode::Exists,
-                 fmt::format("'{}' was written by another program meanwhile; it stays, and this one is '{}'",
-                             names_.asked, path())};
-  }
+  if (!same_file(now, earlier_)) return written_meanwhile();
   auto file = storage_->open(earlier_.real_path);  // one that nobody may read is replaced all the same
   return file ? names_.as_asked((*file)->hold()) : Result<void>();
 }
@@ -95,7 +97,12 @@ Result<void> FileInMaking::commit(Durability durability) {
     TRY(as_asked(file->sync()));
   }
   TRY(check_earlier());
-  TRY(storage_->rename(path(), earlier_.real_path));
+  // where nothing was, another program may still be the first, between that check and this line
+  const Creation how = earlier_.kind == FileKind::Missing ? Creation::New : Creation::Replace;
+  const Result<void> renamed = storage_->rename(path(), earlier_.real_path, how);
+  if (!renamed && how == Creation::New && renamed.error().code == ErrorCode::Exists)
+    return written_meanwhile();
+  TRY(renamed);
   ours_ = false;
   return durability == Durability::AtOnce ? sync_folder() : Result<void>();
 }

@@ -55,8 +55,10 @@ class Storage {
   virtual Result<std::unique_ptr<StorageFile>> open(const std::string& path) = 0;
   virtual Result<std::unique_ptr<StorageFile>> create(
       const std::string& path, Creation how = Creation::Replace) = 0;  // empty, to write; Permission, Exists
-  // Replaces `to`, whose permissions stay.
-  virtual Result<void> rename(const std::string& from, const std::string& to) = 0;
+  // Replaces `to`, whose permissions stay; or Exists. A file system that cannot do New in one step does
+  // Replace.
+  virtual Result<void> rename(const std::string& from, const std::string& to,
+                              Creation how = Creation::Replace) = 0;
   virtual Result<void> remove(const std::string& path) = 0;
   virtual Result<void> make_directories(const std::string& path) = 0;
   virtual Result<FileFacts> look_at(const std::string& path) = 0;  // Permission, Io
@@ -115,6 +117,7 @@ class FileInMaking {
   FileInMaking(Storage& storage, std::string path, FileFacts earlier, std::string asked)
       : storage_(&storage), names_{std::move(path), std::move(asked)}, earlier_(std::move(earlier)) {}
   Result<void> check_earlier();
+  Error written_meanwhile();
   Result<void> sync_folder();
 
   Storage* storage_;

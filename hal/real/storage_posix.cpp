@@ -163,7 +163,12 @@ class PosixStorage : public Storage {
       return opened(path, O_WRONLY, "write");  // a FIFO opened to read as well would be its own reader
     return opened(path, O_RDWR | O_CREAT | O_TRUNC, "write");
   }
-  Result<void> rename(const std::string& from, const std::string& to) override {
+  Result<void> rename(const std::string& from, const std::string& to, Creation how) override {
+    if (how == Creation::New) {
+      if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return {};
+      if (errno != EINVAL && errno != ENOSYS)
+        return error_of(errno, "write", to);  // both: not on this one (NFS)
+    }
     // of a file system with one owner for all its files (FAT, CIFS) nobody else may set even what is there
     constexpr mode_t kPermissions = 07777;
     struct stat replaced {};

@@ -64,6 +64,20 @@ void replaces_by_rename(const StorageUnderTest& facts) {
   CHECK_FALSE(facts.storage.open(to).ok());
 }
 
+void renames_to_a_new_name_only_where_none_is(const StorageUnderTest& facts) {
+  const std::string from = facts.folder + "/made", to = facts.folder + "/taken";
+  write(facts, to, "first");
+  write(facts, from, "second");
+  const Result<void> late = facts.storage.rename(from, to, Creation::New);
+  REQUIRE_FALSE(late.ok());
+  CHECK(late.error().code == ErrorCode::Exists);
+  CHECK(value_of(read_whole(facts.storage, to)) == "first");
+  CHECK(value_of(read_whole(facts.storage, from)) == "second");
+  require_done(facts.storage.remove(to));
+  require_done(facts.storage.rename(from, to, Creation::New));
+  CHECK(value_of(read_whole(facts.storage, to)) == "second");
+}
+
 void makes_folders(const StorageUnderTest& facts) {
   const std::string folder = facts.folder + "/a/b/c";
   require_done(facts.storage.make_directories(folder));
@@ -162,6 +176,7 @@ constexpr Clause kClauses[] = {
     {"reads short at the end of a file", reads_short_at_the_end},
     {"names the file that is missing", names_what_is_missing},
     {"replaces a file by rename", replaces_by_rename},
+    {"renames to a new name only where none is", renames_to_a_new_name_only_where_none_is},
     {"makes folders and their parents", makes_folders},
     {"makes a new file only where none is", makes_a_new_file_only_where_none_is},
     {"knows a file by any of its names", knows_a_file_by_any_name},

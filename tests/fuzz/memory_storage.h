@@ -22,7 +22,9 @@ class MemoryStorage : public Storage {
   Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation) override {
     return read_only(path);
   }
-  Result<void> rename(const std::string& from, const std::string&) override { return read_only(from); }
+  Result<void> rename(const std::string& from, const std::string&, Creation) override {
+    return read_only(from);
+  }
   Result<void> remove(const std::string& path) override { return read_only(path); }
   Result<void> make_directories(const std::string& path) override { return read_only(path); }
   Result<FileFacts> look_at(const std::string& path) override {

@@ -16,8 +16,8 @@ class StoppingStorage : public FaultyStorage {
   StoppingStorage(std::string words, int file)
       : FaultyStorage(posix_storage(), {}), words_(std::move(words)), left_(file) {}
 
-  Result<void> rename(const std::string& from, const std::string& to) override {
-    const Result<void> renamed = FaultyStorage::rename(from, to);
+  Result<void> rename(const std::string& from, const std::string& to, Creation how) override {
+    const Result<void> renamed = FaultyStorage::rename(from, to, how);
     if (renamed && to.find(words_) != std::string::npos && --left_ == 0) stop_ = true;
     return renamed;
   }
