@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -93,9 +94,29 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
+// Of "Could not convert: --skip = x".
+std::string number_needed(const CLI::App& place, const std::string& sentence) {
+  const std::size_t begin = sentence.find(": ") + 2, end = sentence.find(" = ", begin);
+  if (end == std::string::npos) return sentence;
+  const std::string name = sentence.substr(begin, end - begin);
+  const CLI::Option* option = place.get_option_no_throw(name);
+  const bool whole = option == nullptr || !option->get_type_name().starts_with("FLOAT");
+  return fmt::format("{} takes a {}number, not '{}'", name, whole ? "whole " : "", sentence.substr(end + 3));
+}
+
+// Of "Value 0 not in range 1 to 9", which CLI11 says of words too.
+std::string range_needed(const std::string& name, const std::string& reason) {
+  const std::size_t end = reason.find(" not in range ");
+  const std::string value =
+      reason.substr(std::string_view("Value ").size(), end - std::string_view("Value ").size());
+  return fmt::format("{} takes a whole number, {}, not '{}'", name,
+                     reason.substr(end + std::string_view(" not in range ").size()), value);
+}
+
 // CLI11's words for what is wrong, in ours. Names of flags and arguments stay as the help has them.
 std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
   std::string sentence = refused.what();
+  if (sentence.starts_with("Could not convert: ")) return number_needed(place, sentence);
   const std::string first_word = sentence.substr(0, sentence.find_first_of(": "));
   for (const CLI::Option* option : place.get_options()) {
     const std::string name = option->get_name();
@@ -104,6 +125,11 @@ std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
     if (sentence.starts_with(name + ": At Most 1") && option->count() > most)
       return option->count() == 2 ? name + " is given twice; give it once"
                                   : fmt::format("{} is given {} times; give it once", name, option->count());
+    if (sentence.starts_with(name + ": 1 required")) return name + " needs a value";
+    const std::string reason = sentence.substr(std::min(name.size() + 2, sentence.size()));
+    if (reason.starts_with("Value ") && reason.find(" not in range ") != std::string::npos)
+      return range_needed(name, reason);
+    if (reason.starts_with("takes ")) return name + ' ' + reason;
     return sentence;
   }
   if (!sentence.empty())
@@ -136,6 +162,15 @@ std::string meant_by(const std::string& word, const CLI::App& place) {
   return did_you_mean(word, verbs);
 }
 
+// Of an unknown flag: the verbs that have it, or else one of this verb that is almost the same.
+std::string meant_by_flag(const CLI::App& app, const std::string& flag,
+                          const std::vector<std::string>& known) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands(nullptr))
+    if (verb->get_option_no_throw(flag) != nullptr) verbs.push_back(verb->get_name());
+  return verbs.empty() ? did_you_mean(flag, known) : fmt::format(" (a flag of {})", fmt::join(verbs, ", "));
+}
+
 // The sentence for a command line that CLI11 refused. An unknown flag comes first, because it usually causes
 // the other errors (its value was taken for a positional, or the intended flag is missing).
 Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
@@ -152,7 +187,7 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   if (extra_flag != extras.end()) {
     const std::string flag = extra_flag->substr(0, extra_flag->find('='));
     return {ErrorCode::Invalid,
-            fmt::format("unknown flag '{}'{}; see '{}'", flag, did_you_mean(flag, flags), help)};
+            fmt::format("unknown flag '{}'{}; see '{}'", flag, meant_by_flag(app, flag, flags), help)};
   }
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),

@@ -124,6 +124,24 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"live", "sim:walk"}), Contains("'sim:walk' (did you mean '--camera sim:walk'?)"));
   CHECK_THAT(refused({"record", "/dev/video0", "-o", "walk.mkv"}), Contains("'--camera /dev/video0'"));
   CHECK_THAT(refused({"list", "sim:walk"}), Contains("'sim:walk'") && !Contains("did you mean"));
+  CHECK_THAT(refused({"repair", "walk.mkv", "--shutter", "1ms"}),
+             Contains("unknown flag '--shutter' (a flag of ") && Contains("record") && Contains("import"));
+}
+
+TEST_CASE("a value that is missing or no number is told with its flag and what the flag takes") {
+  const auto refused = [](const std::vector<std::string>& words) {
+    const RanHere result = ran_here(words);
+    CHECK(result.exit_code == kExitUsage);
+    return result.err.substr(0, result.err.find("; see "));
+  };
+  CHECK(refused({"replay", "walk.mkv", "--preset"}) == "hdrcam: --preset needs a value");
+  CHECK(refused({"replay", "walk.mkv", "-o"}) == "hdrcam: --output needs a value");
+  CHECK(refused({"render", "walk.mkv", "--speed", "25%"}) == "hdrcam: --speed takes a number, not '25%'");
+  CHECK(refused({"compare", "clip", "out", "--skip", "x"}) == "hdrcam: --skip takes a whole number, not 'x'");
+  CHECK(refused({"simulate", "walk", "--frames", "0"}) ==
+        "hdrcam: --frames takes a whole number, 1 to 1000000, not '0'");
+  CHECK(refused({"live", "--frames", "-3"}) ==
+        "hdrcam: --frames takes a number of frames, 1 to 1000000000, not '-3'");
 }
 
 TEST_CASE("the settings are printed without what a run needs") {
