@@ -168,9 +168,11 @@ std::string SettingsFlags::printed(const Settings& settings) const {
 
 std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& keys) const {
   std::vector<std::string> flags;
-  for (const auto& [field, option] : given_->flags)
-    if (option->count() > 0 && std::ranges::find(keys, field->key) != keys.end())
-      flags.push_back(option->get_name());
+  for (const auto& [field, option] : given_->flags) {
+    if (option->count() == 0 || std::ranges::find(keys, field->key) == keys.end()) continue;
+    const bool off = field->type == SettingType::Switch && option->as<std::string>() == "false";
+    if (!off) flags.push_back(option->get_name());
+  }
   if (!given_->assignments.empty() && std::ranges::find(keys, "knobs") != keys.end())
     flags.emplace_back("--set");
   return flags;

@@ -37,7 +37,8 @@ class SettingsFlags {
   // The same for a verb: with --print-config it prints the settings of this verb, and there are none to run
   // with.
   Result<std::optional<Settings>> read_or_print(Storage& storage) const;
-  // Those of these settings that the command line set, as flags: "--width"; "--set" for "knobs".
+  // Those of these settings that the command line set, as flags: "--width"; "--set" for "knobs". A switch
+  // that it turned off asks for nothing and is not among them.
   std::vector<std::string> given(const std::vector<std::string>& keys) const;
   // The settings that differ from their default, as flags for a command line: " --preset fast".
   std::string as_flags(const Settings& settings) const;

@@ -74,9 +74,13 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
     check_refused({"live", "--camera", "sim:still", flag, value}, ErrorCode::Invalid,
                   fmt::format("give {}, or leave out {}", without, flag));
   };
+  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
   alone("--strobe", "exposure", "--sync-line gpiochip0:17");
   alone("--strobe-delay", "1ms", "--sync-line gpiochip0:17");
   alone("--trigger-gap", "2ms", "--trigger-line gpiochip0:17");
+  check_refused({"live", "--camera", "sim:still", "--sync-active-low"}, ErrorCode::Invalid,
+                "give --sync-line gpiochip0:17, or leave out --sync-active-low");
+  require_success(with({"--sync-active-low=false", "--trigger-active-low=false"}));
   alone("--record-codec", "ffv1", "--record walk.mkv");
   check_refused({"record", "--camera", "sim:still", "--record-codec", "ffv1"}, ErrorCode::Invalid,
                 "no output file; give -o FILE");
@@ -86,12 +90,11 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
                 page_alone);
   check_refused({"replay", walk, "--stats", folder + "/s.json", "--http-token", "abc"}, ErrorCode::Invalid,
                 page_alone);
-  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
 
   const std::string file = folder + "/rig.toml",
                     text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
   REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
-  require_success(with({"--config", file}));
+  require_success(with({"--config", file, "--force"}));
 }
 
 TEST_CASE("white, peak and transfer are refused where no output has them") {
