@@ -4,6 +4,7 @@
 #include <span>
 
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
 
@@ -153,6 +154,9 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   const std::string sim = "sim:still?size=64x48";
   check_refused({"live", "--camera", "sim:nosuch"}, ErrorCode::NotFound, "nosuch");
   check_refused({"live", "--camera", "replay:/nonexistent.mkv"}, ErrorCode::NotFound, "/nonexistent.mkv");
+  const std::string demo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+  check_refused({"live", "--camera", demo}, ErrorCode::Invalid,
+                "is a file and not a camera; a recording is --camera replay:" + demo);
   check_refused({"live", "--camera", "/dev/video99"}, ErrorCode::NotFound, "/dev/video99");
   check_refused({"live", "--camera", sim, "--format", "YUYV"}, ErrorCode::Unsupported, "YUYV");
   check_refused({"live", "--camera", sim, "--shutter", "1ms,200ms"}, ErrorCode::BadExposure, "200 ms");
