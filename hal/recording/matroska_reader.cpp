@@ -225,8 +225,8 @@ Error MatroskaReader::corrupt(const std::string& what) const {
 // No packet is left, and there was no end record.
 Error MatroskaReader::ended() const {
   if (container_.whole) return corrupt("the rest of the file cannot be read");
-  return {ErrorCode::Truncated,
-          fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_ - left_out_.count)};
+  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s), or is still being written",
+                                            path_, frames_ - left_out_.count)};
 }
 
 // The frames of the places first .. end-1 are not to be had.
