@@ -128,9 +128,9 @@ void add_bench_kernels(CommandLine bench, Verb& chosen) {
   auto flags = std::make_shared<KernelBenchFlags>();
   CommandLine verb = bench.add_verb(
       "kernels", "the rate of each kernel on one thread, beside what this processor can do, in one run");
-  verb.add_option("--width", flags->width, "of the pictures, px").in_range(64, 8192).show_default();
-  verb.add_option("--height", flags->height, "of the pictures, px").in_range(64, 8192).show_default();
-  verb.add_option("--seconds", flags->seconds, "for each kernel; the fastest fifth counts")
+  verb.add_option("--width", flags->width, "width of the pictures, px").in_range(64, 8192).show_default();
+  verb.add_option("--height", flags->height, "height of the pictures, px").in_range(64, 8192).show_default();
+  verb.add_option("--seconds", flags->seconds, "time for each kernel, s; the fastest fifth counts")
       .check([](const std::string& text) {
         const auto seconds = real_number(text);
         const bool sound = seconds && *seconds >= 0.001 && *seconds <= 60;

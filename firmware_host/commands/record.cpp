@@ -74,8 +74,8 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
 
 void add_record(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<RecordFlags>();
-  CommandLine verb =
-      program.add_verb("record", "record a camera's frames, raw, each with its proved exposure");
+  CommandLine verb = program.add_verb(
+      "record", "record a camera's raw frames, each with its exposure and the verdict on it");
   flags->limits.add_to(verb);
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(verb, kGroups);

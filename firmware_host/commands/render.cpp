@@ -245,8 +245,9 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
   verb.add_switch("--ldr", options.ldr,
                   "8-bit pictures as the camera would have taken them, by its estimated response")
       .group(kGroup);
-  verb.add_option("--exposure", options.exposure,
-                  "of the 8-bit pictures, at a gain of 1: 4ms, 1/250; sets --ldr [the reference exposure]")
+  verb.add_option(
+          "--exposure", options.exposure,
+          "exposure of the 8-bit pictures, at a gain of 1: 4ms, 1/250; sets --ldr [the reference exposure]")
       .group(kGroup);
   verb.add_option("--size", options.size,
                   "pixels: 1280x720; the scene is cropped to fill it [the recording's]")

@@ -206,17 +206,18 @@ std::vector<SettingField> camera_fields() {
                                            {16, 65535, 0}, "the largest of up to 640x480"),
       number<&Settings::camera, &C::height>("camera.height", "--height", "picture height in pixels",
                                             {16, 65535, 0}, "the largest of up to 640x480"),
-      number<&Settings::camera, &C::framerate_hz>("camera.framerate", "--framerate",
-                                                  "frames per second; of encode: of files that state no time",
-                                                  {0.1, 1000, 0}, "the camera's default, or 30"),
+      number<&Settings::camera, &C::framerate_hz>(
+          "camera.framerate", "--framerate", "frames per second; for encode: of files that state no time",
+          {0.1, 1000, 0}, "the camera's default, or 30"),
       number<&Settings::camera, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
                                              {4, kMostBuffers, {}}),
       list<&Settings::camera, &C::control_delay>("camera.control_delay", "--control-delay",
                                                  "exposure,gain control latency in frames, such as 2,1",
                                                  "as the driver reports"),
-      number<&Settings::camera, &C::black_level>("camera.black_level", "--black-level",
-                                                 "black level of raw formats, in codes of 255", {0, 254, -1},
-                                                 "from the table of sensors"),
+      number<&Settings::camera, &C::black_level>(
+          "camera.black_level", "--black-level",
+          "black level of raw formats, in codes of 255 (the scale of 8 bits)", {0, 254, -1},
+          "from the table of sensors"),
       choice<kGroup, &C::timestamp>(
           "camera.timestamp", "--timestamp",
           "what the timestamp marks: start or end of exposure, or what the driver reports",
@@ -341,7 +342,7 @@ std::vector<SettingField> fit_fields() {
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
                                        {0, kMostInt, {}}),
       flag_of_knob("code_noise", "fit.code_noise", "--code-noise",
-                   "where the estimate of compression noise starts, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
+                   "start value of the estimated compression noise, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
                    1.0),
   };
 }
@@ -358,10 +359,11 @@ std::vector<SettingField> video_fields() {
   using enum PipeFormat;
   constexpr auto kGroup = &Settings::video;
   return {
-      choice<kGroup, &V::transfer>("video.transfer", "--transfer",
-                                   "of videos: HDR10, hybrid log-gamma, or tone-mapped for SDR displays",
-                                   {{"pq", Pq}, {"hlg", Hlg}, {"sdr", Sdr}}),
-      choice<kGroup, &V::codec>("video.codec", "--codec", "of videos; auto: h264 for sdr, else hevc",
+      choice<kGroup, &V::transfer>(
+          "video.transfer", "--transfer",
+          "transfer curve of videos: HDR10, hybrid log-gamma, or tone-mapped for SDR displays",
+          {{"pq", Pq}, {"hlg", Hlg}, {"sdr", Sdr}}),
+      choice<kGroup, &V::codec>("video.codec", "--codec", "codec of videos; auto: h264 for sdr, else hevc",
                                 {{"auto", CodecChoice::Suitable},
                                  {"hevc", CodecChoice::Hevc},
                                  {"av1", CodecChoice::Av1},
@@ -375,7 +377,7 @@ std::vector<SettingField> video_fields() {
                               "constant rate factor of videos: less is better and larger", {0, 51, {}}),
       choice<kGroup, &V::pipe>(
           "video.pipe_format", "--pipe-format",
-          "of frames to the standard output: uncompressed video, or bare half-float RGB radiance",
+          "format of frames on the standard output: uncompressed video, or bare half-float RGB radiance",
           {{"nut", Nut}, {"y4m", Y4m}, {"half", Half}}),
   };
 }
@@ -383,7 +385,8 @@ std::vector<SettingField> video_fields() {
 SettingField white_balance_field() {
   SettingField field = list<&Settings::output, &Settings::Output::white_balance>(
       "output.white_balance", "--white-balance",
-      "of all outputs: the sensor's own colours, white as the camera's file states it, or given gains");
+      "white balance of all outputs: the sensor's own colours, white as the camera's file states it, or "
+      "given gains");
   field.type = SettingType::Gains;
   field.choices = {"none", "camera"};
   return field;
@@ -416,7 +419,8 @@ std::vector<SettingField> output_fields() {
       {{"auto", C::Auto}, {"piz", C::Piz}, {"zip", C::Zip}, {"rle", C::Rle}, {"none", C::None}}));
   fields.push_back(white_balance_field());
   fields.push_back(any<&Settings::output, &O::http_token>(
-      "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
+      "output.http_token", "--http-token", "token that actions on the live page need, 8 characters or more",
+      "made at the start"));
   fields.back().secret = true;
   fields.push_back(file<&Settings::output, &O::http_takes>(
       "output.http_record", "--http-record", "recordings that the live page starts: takes/%03d.mkv", "none"));
@@ -432,7 +436,7 @@ std::vector<SettingField> record_fields() {
           "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
       choice<&Settings::record, &R::codec>(
           "record.codec", "--record-codec",
-          "of its pixels, without loss: huffyuv takes a fifth of the time, ffv1 a fifth less space",
+          "lossless codec of the recording: huffyuv takes a fifth of the time, ffv1 a fifth less space",
           {{"huffyuv", RecordingCodec::Huffyuv}, {"ffv1", RecordingCodec::Ffv1}}),
       number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
                                                 "memory for frames that wait for the disk, MiB",

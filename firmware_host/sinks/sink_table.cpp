@@ -100,7 +100,8 @@ constexpr SinkKind kSinkKinds[] = {
      [](const SinkRequest& request) {
        return create_colmap(request.storage, request.path, request.patterns);
      }},
-    {"report", "--report", "all of that on one page: report.html", SinkPace::Latest, SinkTarget::Files,
+    {"report", "--report", "contact sheet, response, losses and times on one page: report.html",
+     SinkPace::Latest, SinkTarget::Files,
      [](const SinkRequest& request) { return create_report(request.storage, request.path); }},
     {"http", "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,
      SinkTarget::Address, open_live_view},
