@@ -179,8 +179,12 @@ Result<void> CameraSource::change_cycle(const std::string& shutter, const std::s
     return Error{ErrorCode::Unsupported, fmt::format("the cycle follows the {} (--adapt)",
                                                      adapt_ == Adapt::Light ? "light" : "motion")};
   const std::string& kept = gain.empty() ? gain_ : gain;
-  const auto cycle = TRY(parse_exposures(shutter, kept, usual_gain(camera_->capabilities())));
-  TRY(session_->change_cycle(cycle));
+  const double usual = usual_gain(camera_->capabilities());
+  Result<std::vector<Exposure>> cycle = parse_exposures(shutter, kept, usual);
+  // gains that nobody gave with it are not to blame: the session refuses another number of times in its words
+  if (!cycle && gain.empty()) cycle = parse_exposures(shutter, "", usual);
+  if (!cycle) return cycle.error();
+  TRY(session_->change_cycle(cycle.value()));
   gain_ = kept;
   return {};
 }

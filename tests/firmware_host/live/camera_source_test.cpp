@@ -224,6 +224,10 @@ TEST_CASE("a cycle that is changed without a gain keeps the one that it has") {
   follows("1ms,6ms", "", 6000, 2);
   follows("1ms,5ms", "3", 5000, 3);
   follows("1ms,7ms", "", 7000, 3);
+  follows("1ms,6ms", "2,2", 6000, 2);
+  const auto more = run.control().change_cycle("1ms,4ms,16ms", "");
+  require_error(more, ErrorCode::Invalid);
+  CHECK(more.error().message.find("the cycle of this run has 2 exposures, not 3") != std::string::npos);
 }
 
 TEST_CASE("a cycle that follows the light is not changed by hand") {
