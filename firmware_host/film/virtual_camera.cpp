@@ -128,22 +128,29 @@ RigidTransform VirtualCamera::T_world_view(const KeyframeInterval& interval, dou
   return T_world_recorded * plan_.view.at(playback_s).T_recorded_view() * T_view_eye;
 }
 
-// Enough that nothing moves more than a pixel and a half from one instant to the next.
-int VirtualCamera::instants(const ExposureInterval& exposure) const {
-  constexpr double kStep_px = 1.5;
-  constexpr int kLeast = 3, kMost = 33;
-  const KeyframeInterval interval = interval_at(0.5 * (exposure.from_s + exposure.to_s));
-  if (interval.before == nullptr || interval.after == nullptr) return kLeast;
+// How far nearly every pixel moves in a second, in pixels of the film; 0 where nothing is known of it.
+double VirtualCamera::speed_px_s(const KeyframeInterval& interval) const {
+  if (interval.before == nullptr || interval.after == nullptr) return 0;
   const Image<float>& flow = interval.after->to_previous.vectors;
-  if (flow.empty()) return kLeast;
+  if (flow.empty()) return 0;
   std::vector<float> lengths;
   for (std::size_t i = 0; i < flow.plane_size(); i += 7)
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
   const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
   std::nth_element(lengths.begin(), high, lengths.end());
   const double enlarged = filming_lens(*interval.after).fx_px / interval.after->lens.fx_px;
-  const double way_px = static_cast<double>(*high) * enlarged * (exposure.to_s - exposure.from_s) /
-                        (interval.after->time_s - interval.before->time_s);
+  return static_cast<double>(*high) * enlarged / (interval.after->time_s - interval.before->time_s);
+}
+
+// Enough that nothing moves more than a pixel and a half from one instant to the next. An exposure about a
+// recorded frame lies in two intervals, and about the first one in none but the next.
+int VirtualCamera::instants(const ExposureInterval& exposure) const {
+  constexpr double kStep_px = 1.5;
+  constexpr int kLeast = 3, kMost = 33;
+  double fastest_px_s = 0;
+  for (const double time_s : {exposure.from_s, 0.5 * (exposure.from_s + exposure.to_s), exposure.to_s})
+    fastest_px_s = std::max(fastest_px_s, speed_px_s(interval_at(time_s)));
+  const double way_px = fastest_px_s * (exposure.to_s - exposure.from_s);
   return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
 }
 

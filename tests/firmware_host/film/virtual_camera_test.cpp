@@ -45,10 +45,17 @@ struct Recorded {
   bool has_pose = true, lost = false;
   std::optional<double> texture_px = {};  // instead of one colour: a texture that moved so far
   float gamma = 2.2f;                     // of the response with which it was estimated
+  std::optional<double> edges_px = {};    // or edges that did
 };
 
 float texture(double x, double y) {
   return static_cast<float>(5 + std::sin(0.9 * x) + std::sin(0.37 * x + 0.5 * y) + std::cos(0.6 * y));
+}
+
+// Edges whose pattern repeats only after more pixels than they move by.
+float edges(double x, double y) {
+  const double one = std::sin(0.25 * (x - 3) + 0.1 * y), other = std::sin(0.17 * (x - 3) - 0.3 * y);
+  return static_cast<float>(10 + 4 * std::tanh(4 * one) + 4 * std::tanh(4 * other));
 }
 
 struct Shown {
@@ -80,10 +87,12 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
     frame.facts.timestamp = Instant::from_seconds(seen.time_s);
     frame.white = 100;
     frame.radiance = Image<float>(3, kRows, kCols), frame.radiance.fill(seen.radiance);
-    if (seen.texture_px)
+    if (seen.texture_px || seen.edges_px)
       for (int c = 0; c < 3; ++c)
         for (int y = 0; y < kRows; ++y)
-          for (int x = 0; x < kCols; ++x) frame.radiance.at(c, y, x) = texture(x - *seen.texture_px, y);
+          for (int x = 0; x < kCols; ++x)
+            frame.radiance.at(c, y, x) =
+                seen.texture_px ? texture(x - *seen.texture_px, y) : edges(x - *seen.edges_px, y);
     frame.sigma = Image<float>(1, kRows, kCols);
     frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
     frame.pose.emplace().source = PoseSource::Tracked;
@@ -245,4 +254,17 @@ TEST_CASE("a film that crops the width has the blur of the whole picture's middl
   CHECK(part.middle == all.middle);
   whole.shutter_s = 0;
   CHECK(all.middle != Approx(filmed(whole, recorded).front().middle).margin(0.05));  // it is blurred
+}
+
+TEST_CASE("an exposure about the recording's first frame is as smooth as the motion after it is fast",
+          "[film]") {
+  FilmPlan plan = planned(0, 1, 2);
+  plan.shutter_s = 0.5;
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 0, .edges_px = 0},
+                               {.time_s = 0.25, .radiance = 0, .edges_px = 6}};
+  const std::vector<Shown> moments = filmed(planned(0, 61, 240), recorded);  // sharp ones
+  float moving = 0;
+  for (const Shown& moment : moments) moving += moment.middle / static_cast<float>(moments.size());
+  const float standing = moments.front().middle;  // before the first frame
+  CHECK(filmed(plan, recorded).front().middle == Approx((standing + moving) / 2).margin(0.3));
 }
