@@ -235,9 +235,9 @@ TEST_CASE("a scene that another program saved during the run stays, and so does 
   class Shared : public ForwardingStorage {
    public:
     explicit Shared(std::string path) : ForwardingStorage(posix_storage()), path_(std::move(path)) {}
-    Result<void> rename(const std::string& from, const std::string& to) override {
+    Result<void> rename(const std::string& from, const std::string& to, Creation how) override {
       if (to.ends_with(".exr") && !fs::exists(path_)) write_file(path_, "another scene");
-      return ForwardingStorage::rename(from, to);
+      return ForwardingStorage::rename(from, to, how);
     }
 
    private:
