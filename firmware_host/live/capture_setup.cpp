@@ -60,7 +60,8 @@ Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& stor
   if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()), wiring);
   if (is_replayed(id))
     return open_replayed_camera(storage, replayed_file(id), ReplayPace::AsRecorded, posix_clock());
-  if (const auto file = storage.look_at(id); file && file.value().kind == FileKind::Regular)
+  if (const auto file = storage.look_at(id);
+      file && file.value().kind == FileKind::Regular && !id.starts_with("/dev/"))
     return Error{
         ErrorCode::Invalid,
         fmt::format("'{}' is a file and not a camera; a recording is --camera {}{}", id, kReplay, id)};
