@@ -6,6 +6,7 @@
 
 #include "online/pictures/same_scene.h"
 #include "online/pictures/sparse_lines.h"
+#include "online/response/blur_between.h"
 #include "online/response/exposure_corrections.h"
 #include "online/response/float_order.h"
 
@@ -15,8 +16,7 @@ namespace {
 // A sorted channel that gives the place of its codes in the histogram.
 class Ranking {
  public:
-  Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch) {
-    const auto& codes = frame.codes;
+  Ranking(const Image<float>& codes, int channel, std::vector<float>& scratch) {
     const int step = line_step(codes);
     codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) +
                    static_cast<std::size_t>(codes.cols()));
@@ -96,10 +96,15 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
   const double log_ratio =
       std::log(static_cast<double>(shorter.exposure) / static_cast<double>(longer.exposure));
+  const BlurLengths blur = blur_between(shorter.codes, longer.codes);
+  Image<float> blurred;
   std::vector<float> scratch;
   std::array<std::vector<CodeMatch>, 3> found;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
+    const int channel = static_cast<int>(c);
+    if (blur.any()) blur_channel(shorter.codes, channel, blur, blurred);
+    const Ranking dark(blur.any() ? blurred : shorter.codes, blur.any() ? 0 : channel, scratch),
+        light(longer.codes, channel, scratch);
     if (shorter.exposure < 1.1f * *shortest_) {
       const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
       darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
