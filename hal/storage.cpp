@@ -76,32 +76,34 @@ Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
   return std::unique_ptr<StorageFile>(std::make_unique<File>(std::move(file), names_));
 }
 
-Error FileInMaking::written_meanwhile() {
-  ours_ = false;
-  return {ErrorCode::Exists,
-          fmt::format("'{}' was written by another program meanwhile; it stays, and this one is '{}'",
-                      names_.asked, path())};
+Error FileInMaking::written_meanwhile(Forestalled forestalled) {
+  const bool goes = forestalled == Forestalled::Goes;
+  if (!goes) ours_ = false;
+  return {
+      ErrorCode::Exists,
+      fmt::format("'{}' was written by another program meanwhile; it stays, and {}", names_.asked,
+                  goes ? "this run has none; name another file" : fmt::format("this one is '{}'", path()))};
 }
 
-Result<void> FileInMaking::check_earlier() {
+Result<void> FileInMaking::check_earlier(Forestalled forestalled) {
   const FileFacts now = TRY(storage_->look_at(earlier_.real_path));
   if (now.kind == FileKind::Missing) return {};
-  if (!same_file(now, earlier_)) return written_meanwhile();
+  if (!same_file(now, earlier_)) return written_meanwhile(forestalled);
   auto file = storage_->open(earlier_.real_path);  // one that nobody may read is replaced all the same
   return file ? names_.as_asked((*file)->hold()) : Result<void>();
 }
 
-Result<void> FileInMaking::commit(Durability durability) {
+Result<void> FileInMaking::commit(Durability durability, Forestalled forestalled) {
   if (durability == Durability::AtOnce) {
     const auto file = TRY(as_asked(storage_->open(path())));
     TRY(as_asked(file->sync()));
   }
-  TRY(check_earlier());
+  TRY(check_earlier(forestalled));
   // where nothing was, another program may still be the first, between that check and this line
   const Creation how = earlier_.kind == FileKind::Missing ? Creation::New : Creation::Replace;
   const Result<void> renamed = storage_->rename(path(), earlier_.real_path, how);
   if (!renamed && how == Creation::New && renamed.error().code == ErrorCode::Exists)
-    return written_meanwhile();
+    return written_meanwhile(forestalled);
   TRY(renamed);
   ours_ = false;
   return durability == Durability::AtOnce ? sync_folder() : Result<void>();

@@ -73,6 +73,9 @@ bool is_there(Storage& storage, const std::string& path);
 // Whether a file that is complete survives a power cut at once, or only when the system has written it back,
 // in some seconds: until then its name may stand for nothing.
 enum class Durability { AtOnce, WrittenBack };
+// What becomes of a new file where another program was first with that name: it stays beside that one, or
+// goes, as nothing is in it yet that anybody would miss.
+enum class Forestalled { Stays, Goes };
 
 // A file that gets its name only once it is complete. Until then it is beside `path` under an
 // unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link. What
@@ -90,8 +93,9 @@ class FileInMaking {
   // That file, empty, to write; its errors name the one that was asked for, before and after commit().
   Result<std::unique_ptr<StorageFile>> create() const;
   // Busy while another program holds the earlier file. Exists where another program has written one
-  // meanwhile: both stay, this one under path().
-  Result<void> commit(Durability durability = Durability::AtOnce);
+  // meanwhile: that one stays, and so does this one under path() unless it goes.
+  Result<void> commit(Durability durability = Durability::AtOnce,
+                      Forestalled forestalled = Forestalled::Stays);
 
   // The outcome of work on path(). Nobody asked for that file: an error names the one that was asked for.
   template <class T>
@@ -116,8 +120,8 @@ class FileInMaking {
 
   FileInMaking(Storage& storage, std::string path, FileFacts earlier, std::string asked)
       : storage_(&storage), names_{std::move(path), std::move(asked)}, earlier_(std::move(earlier)) {}
-  Result<void> check_earlier();
-  Error written_meanwhile();
+  Result<void> check_earlier(Forestalled forestalled);
+  Error written_meanwhile(Forestalled forestalled);
   Result<void> sync_folder();
 
   Storage* storage_;

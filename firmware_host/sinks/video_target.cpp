@@ -20,7 +20,7 @@ Result<std::unique_ptr<VideoWriter>> VideoTarget::open(const VideoFormat& format
   auto file = TRY(making.create());
   TRY(file->hold());
   auto writer = TRY(VideoWriter::create(std::move(file), Direction::Write, format));
-  TRY(making.commit(Durability::WrittenBack));
+  TRY(making.commit(Durability::WrittenBack, Forestalled::Goes));  // it has no frame yet
   return writer;
 }
 

@@ -21,8 +21,8 @@ class VideoTarget {
   // those of the storage.
   static Result<VideoTarget> at(Storage& storage, const std::string& path);
 
-  // Once. What the codec or the disk refuses leaves no file, and an earlier video as it is. Errors: those of
-  // the storage and of the codec.
+  // Once. What the codec or the disk refuses leaves no file, and an earlier video as it is; so does Exists,
+  // where another program has written one meanwhile. Errors: those of the storage and of the codec.
   Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format);
 
  private:

@@ -151,6 +151,23 @@ void keeps_what_another_program_wrote_meanwhile(const StorageUnderTest& facts) {
   }
 }
 
+void removes_what_came_late_with_nothing_in_it(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/begun";
+  std::string part;
+  {
+    FileInMaking late = value_of(FileInMaking::beside(facts.storage, path));
+    part = late.path();
+    write(facts, part, "");
+    write(facts, path, "first");
+    const Result<void> refused = late.commit(Durability::WrittenBack, Forestalled::Goes);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Exists);
+    CHECK(refused.error().message.find(part) == std::string::npos);
+  }
+  CHECK(value_of(facts.storage.look_at(part)).kind == FileKind::Missing);
+  CHECK(value_of(read_whole(facts.storage, path)) == "first");
+}
+
 void leaves_a_file_that_is_held(const StorageUnderTest& facts) {
   const std::string path = facts.folder + "/held";
   auto writing = value_of(facts.storage.create(path));
@@ -182,6 +199,7 @@ constexpr Clause kClauses[] = {
     {"knows a file by any of its names", knows_a_file_by_any_name},
     {"gives a file its name once it is whole", names_a_file_once_it_is_whole},
     {"keeps what another program wrote meanwhile", keeps_what_another_program_wrote_meanwhile},
+    {"removes what came late with nothing in it", removes_what_came_late_with_nothing_in_it},
     {"leaves a file that is held", leaves_a_file_that_is_held},
 };
 

@@ -317,7 +317,7 @@ TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, 
 }
 
 TEST_CASE("a video that another program makes is not replaced, neither a new one nor one that is not whole") {
-  const std::string path = sample::scratch_folder("video_of_another") + "/x.mp4";
+  const std::string folder = sample::scratch_folder("video_of_another"), path = folder + "/x.mp4";
   const HdrFrame frame = wedge(0);
   const ExposedFrame input;
   const FrameRecord record;
@@ -326,6 +326,7 @@ TEST_CASE("a video that another program makes is not replaced, neither a new one
   const auto another = create_hdr_video(posix_storage(), path, kFramerate_hz, {}).value();
   REQUIRE(another->emit(first).ok());
   CHECK(sample::error_of(ours->emit(first)).code == ErrorCode::Exists);
+  CHECK(sample::unfinished_files_in(folder) == 0);  // ours has no frame
   const auto later = create_hdr_video(posix_storage(), path, kFramerate_hz, {}).value();
   CHECK(sample::error_of(later->emit(first)).code == ErrorCode::Busy);
   REQUIRE(another->finish().ok());
