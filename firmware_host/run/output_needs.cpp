@@ -4,6 +4,7 @@
 
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/settings/without_field.h"
+#include "firmware_host/sinks/live_view/live_view.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/http_address.h"
@@ -117,8 +118,10 @@ Result<void> check_needs(const Settings& settings) {
         ErrorCode::Invalid,
         "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
         "name a file"};
-  if (const std::string& address = settings.output.path("http"); !address.empty())
+  if (const std::string& address = settings.output.path("http"); !address.empty()) {
     TRY(parse_http_address(address));
+    TRY(check_http_token(settings.output.http_token));
+  }
   const PicturePatterns patterns = patterns_of(settings.output.paths);
   if (is_written(settings.output, "transforms")) TRY(pictures_of("--transforms", patterns));
   if (is_written(settings.output, "colmap")) TRY(pictures_of_colmap(patterns));

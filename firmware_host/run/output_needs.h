@@ -38,7 +38,7 @@ ExrCompression compression_of(const Settings::Output& output, RunPace pace);
 void write_result_beside_frames(const Settings::Output& output, std::string_view text);
 
 // Invalid where the settings switch off what an output needs, where there are no pictures for its poses, and
-// for an address of the live page that is none.
+// for an address of the live page that is none or a token that is too short.
 Result<void> check_needs(const Settings& settings);
 
 // Whether the run tracks poses, which the field is for.

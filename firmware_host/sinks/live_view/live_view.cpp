@@ -70,12 +70,16 @@ std::pair<const char*, std::string> sequence_header(const ShownFrame& frame) {
 
 }  // namespace
 
+Result<void> check_http_token(std::string_view token) {
+  if (token.empty() || token.size() >= kFewestTokenCharacters) return {};
+  return Error{ErrorCode::Invalid, fmt::format("--http-token has {} characters; give {} or more, or none",
+                                               token.size(), kFewestTokenCharacters)};
+}
+
 Result<std::unique_ptr<LiveView>> LiveView::open(const std::string& address, const LiveViewOptions& options,
                                                  RunControl* control) {
   const HttpAddress wanted = TRY(parse_http_address(address));
-  if (!options.token.empty() && options.token.size() < kFewestTokenCharacters)
-    return Error{ErrorCode::Invalid, fmt::format("--http-token has {} characters; give {} or more, or none",
-                                                 options.token.size(), kFewestTokenCharacters)};
+  TRY(check_http_token(options.token));
   std::unique_ptr<LiveView> view(new LiveView(options, control));
   const std::string token = options.token.empty() ? random_token() : options.token;
   view->server_ = TRY(HttpServer::open(wanted, token, view->routes(), {}));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct LiveViewOptions {
   double framerate_hz = 30;                        // of the camera
   VideoOptions video = {};                         // how bright HDR pictures are
 };
+
+// A token that somebody gives; "" is none. Errors: Invalid where it is too short.
+Result<void> check_http_token(std::string_view token);
 
 // Whether a run whose newest frame is so old stands still.
 bool is_stalled(double newest_frame_age_s, double framerate_hz);

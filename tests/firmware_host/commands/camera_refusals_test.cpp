@@ -164,6 +164,8 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
                 "99");
   check_refused({"live", "--camera", sim, "--shutter", "1ms,zwei"}, ErrorCode::Invalid, "zwei");
   check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
+  check_refused({"live", "--camera", "sim:nosuch", "--http", "127.0.0.1:0", "--http-token", "abcdefg"},
+                ErrorCode::Invalid, "--http-token has 7 characters; give 8 or more");
   check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
   check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
   check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it as walk.mkv");
