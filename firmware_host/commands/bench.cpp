@@ -77,8 +77,10 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
   plan.points = TRY(chosen_points(cost_points(settings.fit), flags.points));
   const auto page = [&](const char* name) { return flags.output + "/" + name; };
   std::vector<NamedInput> inputs;
-  for (const std::string& clip : plan.clips)
+  for (const std::string& clip : plan.clips) {
+    TRY(check_clip_folder(around.storage, clip));
     for (NamedInput& file : files_of_clip(clip)) inputs.push_back(std::move(file));
+  }
   TRY(flags.kept.check(around.storage, inputs,
                        {{"--output", page("pareto.json"), OutputKind::Document},
                         {"--output", page("pareto.html"), OutputKind::Document},

@@ -78,15 +78,8 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
     say("not scored, the clip has no such frame: estimates {}\n", listed(scores.not_in_clip));
 }
 
-// wanted: what the path should name.
-Result<void> check_folder(Storage& storage, const std::string& path, const char* wanted) {
-  if (TRY(storage.look_at(path)).kind != FileKind::Regular) return {};
-  return Error{ErrorCode::Invalid, fmt::format("'{}' is a file; name {}", path, wanted)};
-}
-
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
-  TRY(check_folder(around.storage, flags.clip,
-                   "a clip with clip.json and gt/, as 'hdrcam simulate walk --truth clips/walk' makes it"));
+  TRY(check_clip_folder(around.storage, flags.clip));
   TRY(check_folder(around.storage, flags.estimates, "the folder with its HDR frames"));
   const bool json_alone = flags.json == kStandardOutput;
   TRY(flags.kept.check(around.storage, files_of_clip(flags.clip),

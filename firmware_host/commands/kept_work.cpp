@@ -1,5 +1,7 @@
 #include "firmware_host/commands/kept_work.h"
 
+#include <fmt/format.h>
+
 #include <string_view>
 
 #include "firmware_host/live/capture_setup.h"
@@ -73,6 +75,16 @@ std::vector<NamedInput> files_of_clip(const std::string& folder) {
   return {{"the clip", folder + "/" + ImageSequence::kFile},
           {"the pictures of the clip", folder + "/" + ImageSequence::kPictures, InputKind::Folder},
           {"the ground truth", folder + "/" + TruthFolder::kFolder, InputKind::Folder}};
+}
+
+Result<void> check_folder(Storage& storage, const std::string& path, const char* wanted) {
+  if (TRY(storage.look_at(path)).kind != FileKind::Regular) return {};
+  return Error{ErrorCode::Invalid, fmt::format("'{}' is a file; name {}", path, wanted)};
+}
+
+Result<void> check_clip_folder(Storage& storage, const std::string& path) {
+  return check_folder(storage, path,
+                      "a clip with clip.json and gt/, as 'hdrcam simulate walk --truth clips/walk' makes it");
 }
 
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera) {

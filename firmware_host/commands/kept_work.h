@@ -37,6 +37,9 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
 std::vector<NamedInput> configuration_of(CommandLine verb);
 // The files of a clip with ground truth: its clip.json, its pictures and its truth.
 std::vector<NamedInput> files_of_clip(const std::string& folder);
+// Invalid where a file is named, such as a recording, and a folder is needed. wanted: what to name.
+Result<void> check_folder(Storage& storage, const std::string& path, const char* wanted);
+Result<void> check_clip_folder(Storage& storage, const std::string& path);  // of a clip with ground truth
 // The recording that a camera "replay:FILE" reads; empty for any other camera.
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera);
 

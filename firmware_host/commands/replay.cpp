@@ -51,6 +51,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
                  fmt::format("--truth scores frames that are named by their number alone; give --output "
                              "out/%06d.exr instead of '{}'",
                              asked.output.path("frames"))};
+  if (!flags.truth.empty()) TRY(check_clip_folder(around.storage, flags.truth));
   if (!writes_outputs(asked.output))
     return Error{
         ErrorCode::Invalid,

@@ -197,6 +197,10 @@ TEST_CASE("a file where a folder belongs, no calibration, and a recording as set
   CHECK_THAT(refused({"export", recording, "-o", recording}),
              Contains("is a file; --output names the folder"));
   CHECK_THAT(refused({"compare", recording, "."}), Contains("is a file; name a clip with clip.json"));
+  CHECK_THAT(refused({"bench", "pareto", recording, "-o", "cost"}),
+             Contains("is a file; name a clip with clip.json"));
+  CHECK_THAT(refused({"replay", recording, "-o", "out/%06d.exr", "--truth", recording}),
+             Contains("is a file; name a clip with clip.json"));
   CHECK_THAT(refused({"compare", ".", recording}), Contains("is a file; name the folder"));
   CHECK_THAT(refused({"calibrate"}), Contains("give 'hdrcam calibrate delay'"));
   CHECK_THAT(refused({"replay", recording, "--config", recording}), Contains("is no file of settings"));
