@@ -117,7 +117,10 @@ class PosixFile : public StorageFile {
 
   Result<void> hold() override {
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return {};
-    return Error{ErrorCode::Busy, fmt::format("'{}' is being written by another program", path_)};
+    return Error{
+        ErrorCode::Busy,
+        fmt::format("'{}' is being written by another program; wait until it ends, or name another file",
+                    path_)};
   }
 
  private:

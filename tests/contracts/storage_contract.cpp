@@ -177,6 +177,7 @@ void leaves_a_file_that_is_held(const StorageUnderTest& facts) {
   const Result<void> refused = replace();
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == ErrorCode::Busy);
+  CHECK(refused.error().message.find("name another file") != std::string::npos);
   require_done(writing->write_at(0, bytes_of("whole")));
   CHECK(value_of(read_whole(facts.storage, path)) == "whole");
   writing.reset();
