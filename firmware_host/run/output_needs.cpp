@@ -4,6 +4,7 @@
 
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/settings/without_field.h"
+#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/live_view/live_view.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
@@ -68,6 +69,13 @@ std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kin
   return "";
 }
 
+// A name of pictures that numbers them wrongly is refused for that, not as if there were no pictures.
+Result<void> check_numbered(std::string_view flag, const std::string& path) {
+  for (const char* extension : {".exr", ".png"})
+    if (path.ends_with(extension)) TRY(FramePattern::parse(flag, path, extension));
+  return {};
+}
+
 }  // namespace
 
 OutputNeeds needs_of(const Settings::Output& output) {
@@ -121,6 +129,10 @@ Result<void> check_needs(const Settings& settings) {
   if (const std::string& address = settings.output.path("http"); !address.empty()) {
     TRY(parse_http_address(address));
     TRY(check_http_token(settings.output.http_token));
+  }
+  if (needs_of(settings.output).poses) {
+    TRY(check_numbered("--output", settings.output.path("frames")));
+    TRY(check_numbered("--preview", settings.output.path("preview")));
   }
   const PicturePatterns patterns = patterns_of(settings.output.paths);
   if (is_written(settings.output, "transforms")) TRY(pictures_of("--transforms", patterns));

@@ -88,6 +88,24 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("pictures that are numbered wrongly are refused for that, also where poses name them") {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"frames", "a%6d.exr"}, {"frames", "a.exr"}, {"preview", "p%6d.png"}};
+  for (const auto& [sink, name] : wrong)
+    for (const char* poses : {"transforms", "colmap"}) {
+      Settings settings;
+      settings.output.paths = {{sink, name}, {poses, "out/poses"}};
+      const auto refused = check_needs(settings);
+      REQUIRE_FALSE(refused.ok());
+      CHECK(refused.error().code == ErrorCode::Invalid);
+      CHECK(refused.error().message.find(std::string("'") + name + "'") != std::string::npos);
+    }
+  Settings none;
+  none.output.paths = {{"frames", "out.mp4"}, {"transforms", "out/transforms.json"}};
+  REQUIRE_FALSE(check_needs(none).ok());
+  CHECK(check_needs(none).error().message.find("it leaves none") != std::string::npos);
+}
+
 TEST_CASE("motion to the next frame is refused where the run does not wait for it, whoever says so") {
   Settings settings;
   settings.output.paths["flow_forward"] = "flow/%06d.flo";
