@@ -128,28 +128,31 @@ RigidTransform VirtualCamera::T_world_view(const KeyframeInterval& interval, dou
   return T_world_recorded * plan_.view.at(playback_s).T_recorded_view() * T_view_eye;
 }
 
-// How far nearly every pixel moves in a second, in pixels of the film; 0 where nothing is known of it.
-double VirtualCamera::speed_px_s(const KeyframeInterval& interval) const {
-  if (interval.before == nullptr || interval.after == nullptr) return 0;
-  const Image<float>& flow = interval.after->to_previous.vectors;
-  if (flow.empty()) return 0;
+// How far nearly every pixel moves in a second from one recorded frame to the next, in pixels of the film; 0
+// where nothing is known of it.
+double VirtualCamera::speed_px_s(const Keyframe& before, const Keyframe& after) const {
+  const Image<float>& flow = after.to_previous.vectors;
+  if (flow.empty() || before.world != after.world) return 0;
   std::vector<float> lengths;
   for (std::size_t i = 0; i < flow.plane_size(); i += 7)
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
   const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
   std::nth_element(lengths.begin(), high, lengths.end());
-  const double enlarged = filming_lens(*interval.after).fx_px / interval.after->lens.fx_px;
-  return static_cast<double>(*high) * enlarged / (interval.after->time_s - interval.before->time_s);
+  const double enlarged = filming_lens(after).fx_px / after.lens.fx_px;
+  return static_cast<double>(*high) * enlarged / (after.time_s - before.time_s);
 }
 
-// Enough that nothing moves more than a pixel and a half from one instant to the next. An exposure about a
-// recorded frame lies in two intervals, and about the first one in none but the next.
+// Enough that nothing moves more than a pixel and a half from one instant to the next: the exposure may lie
+// in many intervals of recorded frames, and the fastest counts.
 int VirtualCamera::instants(const ExposureInterval& exposure) const {
   constexpr double kStep_px = 1.5;
   constexpr int kLeast = 3, kMost = 33;
   double fastest_px_s = 0;
-  for (const double time_s : {exposure.from_s, 0.5 * (exposure.from_s + exposure.to_s), exposure.to_s})
-    fastest_px_s = std::max(fastest_px_s, speed_px_s(interval_at(time_s)));
+  for (std::size_t i = 1; i < keys_.size(); ++i) {
+    const Keyframe &before = *keys_[i - 1], &after = *keys_[i];
+    if (after.time_s > exposure.from_s + kSameTime_s && before.time_s < exposure.to_s - kSameTime_s)
+      fastest_px_s = std::max(fastest_px_s, speed_px_s(before, after));
+  }
   const double way_px = fastest_px_s * (exposure.to_s - exposure.from_s);
   return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
 }

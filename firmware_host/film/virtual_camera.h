@@ -51,7 +51,7 @@ class VirtualCamera {
   Result<void> film(const Show& show);
   KeyframeInterval interval_at(double time_s) const;
   RigidTransform T_world_view(const KeyframeInterval& interval, double playback_s, double eye) const;
-  double speed_px_s(const KeyframeInterval& interval) const;
+  double speed_px_s(const Keyframe& before, const Keyframe& after) const;
   int instants(const ExposureInterval& exposure) const;
   void expose(int frame, double eye, HdrFrame& out);
   void join_eyes();

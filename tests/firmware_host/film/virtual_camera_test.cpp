@@ -268,3 +268,17 @@ TEST_CASE("an exposure about the recording's first frame is as smooth as the mot
   const float standing = moments.front().middle;  // before the first frame
   CHECK(filmed(plan, recorded).front().middle == Approx((standing + moving) / 2).margin(0.3));
 }
+
+TEST_CASE("an exposure over many recorded frames is as smooth as the fastest of their motions needs",
+          "[film]") {
+  FilmPlan plan = planned(0.25, 1, 1);
+  plan.shutter_s = 0.46;
+  const Recorded recorded[] = {
+      {.time_s = 0, .radiance = 0, .edges_px = 0},   {.time_s = 0.1, .radiance = 0, .edges_px = 0},
+      {.time_s = 0.2, .radiance = 0, .edges_px = 6}, {.time_s = 0.3, .radiance = 0, .edges_px = 6},
+      {.time_s = 0.4, .radiance = 0, .edges_px = 6}, {.time_s = 0.5, .radiance = 0, .edges_px = 6}};
+  const std::vector<Shown> moments = filmed(planned(0.02, 47, 100), recorded);  // sharp ones
+  float mean = 0;
+  for (const Shown& moment : moments) mean += moment.middle / static_cast<float>(moments.size());
+  CHECK(filmed(plan, recorded).front().middle == Approx(mean).margin(0.3));
+}
