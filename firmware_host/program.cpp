@@ -186,6 +186,9 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
                                        [](const std::string& word) { return word.starts_with('-'); });
   if (extra_flag != extras.end()) {
     const std::string flag = extra_flag->substr(0, extra_flag->find('='));
+    if (place.get_option_no_throw(flag) != nullptr)
+      return {ErrorCode::Invalid,
+              fmt::format("flag '{}' stands before its verb; give it behind '{}'", flag, verb.words)};
     return {ErrorCode::Invalid,
             fmt::format("unknown flag '{}'{}; see '{}'", flag, meant_by_flag(app, flag, flags), help)};
   }

@@ -126,6 +126,8 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"list", "sim:walk"}), Contains("'sim:walk'") && !Contains("did you mean"));
   CHECK_THAT(refused({"repair", "walk.mkv", "--shutter", "1ms"}),
              Contains("unknown flag '--shutter' (a flag of ") && Contains("record") && Contains("import"));
+  CHECK_THAT(refused({"--threads", "2", "replay", "walk.mkv"}),
+             Contains("flag '--threads' stands before its verb; give it behind 'hdrcam replay'"));
 }
 
 TEST_CASE("a value that is missing or no number is told with its flag and what the flag takes") {
