@@ -158,11 +158,20 @@ class ExrSequence : public FrameSink {
     if (!start_) start_ = frame.facts.timestamp;
     file_ = TRY(encoded(frame, options_, *start_, planes_, std::move(file_)));
     const std::string path = pattern_.path(frame.facts.sequence);
-    TRY(write_whole(storage_, path, file_, Durability::WrittenBack));
+    TRY(write(path));
     return ledger_.append(frame.facts, emitted.record.time_s, path.substr(path.rfind('/') + 1));
   }
 
  private:
+  Result<void> write(const std::string& path) {
+    auto making = FileInMaking::beside(storage_, path);
+    if (!making) return write_whole(storage_, path, file_, Durability::WrittenBack);  // a FIFO or a device
+    const auto file = TRY(making->create());
+    TRY(file->write_at(0, file_));
+    TRY(ledger_.take_name());
+    return making->commit(Durability::WrittenBack);
+  }
+
   Storage& storage_;
   const FramePattern pattern_;
   FrameLedger ledger_;

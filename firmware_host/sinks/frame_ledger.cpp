@@ -31,8 +31,14 @@ Result<FrameLedger> FrameLedger::create(Storage& storage, const FramePattern& fr
   return ledger;
 }
 
+Result<void> FrameLedger::take_name() {
+  if (!named_) TRY(making_.commit(Durability::WrittenBack, Forestalled::Goes));
+  named_ = true;
+  return {};
+}
+
 Result<void> FrameLedger::append(const FrameFacts& facts, double time_s, const std::string& file) {
-  if (!std::exchange(named_, true)) TRY(making_.commit(Durability::WrittenBack));
+  TRY(take_name());
   return write(fmt::format("{},{:.9f},{:.9f},{:.9g},{:.6g},{:.6g},{},{},{}\n", facts.sequence, time_s,
                            facts.timestamp.seconds(), facts.exposure_s, facts.analogue_gain,
                            facts.digital_gain, name(facts.exposure_source),

@@ -19,9 +19,13 @@ class FrameLedger {
  public:
   static std::string path_beside(const FramePattern& frames);
 
-  // The folder of the frames exists. A ledger of an earlier run is replaced with the first line, so that a
-  // run that never had a frame leaves it. Errors: those of the disk.
+  // The folder of the frames exists. A ledger of an earlier run is replaced by take_name() or with the first
+  // line, so that a run that never had a frame leaves it. Errors: those of the disk.
   static Result<FrameLedger> create(Storage& storage, const FramePattern& frames);
+
+  // To be called once the first frame is whole and before it has its own name: of two runs with the same
+  // names the later one then replaces no frame of the other. Errors: those of FileInMaking::commit.
+  Result<void> take_name();
 
   // time_s: since the first frame. file: of the frame, without its folder. Errors: NoSpace, Io.
   Result<void> append(const FrameFacts& facts, double time_s, const std::string& file);

@@ -166,6 +166,24 @@ TEST_CASE("frames.csv lists number, time, exposure and verdict of every frame th
   CHECK(std::count(text.begin(), text.end(), '\n') == 3);
 }
 
+TEST_CASE("of two runs that begin together with the same names of frames the later one replaces no frame") {
+  const std::string folder = scratch_folder("exr-two-runs");
+  const auto begun = [&] { return create_exr_sequence(posix_storage(), folder + "/%04d.exr", {}).value(); };
+  const auto first = begun();
+  auto second = begun();
+  REQUIRE(emit(*first, example_frame(41)).ok());
+  const std::string frame = read_whole(posix_storage(), folder + "/0041.exr").value();
+  HdrFrame other = example_frame(41);
+  other.radiance.fill(0.5f);
+  const Result<void> late = emit(*second, other);
+  REQUIRE_FALSE(late.ok());
+  CHECK(late.error().code == ErrorCode::Exists);
+  CHECK(read_whole(posix_storage(), folder + "/0041.exr").value() == frame);
+  second.reset();
+  CHECK(sample::unfinished_files_in(folder) == 0);
+  REQUIRE(emit(*first, example_frame(42)).ok());
+}
+
 TEST_CASE("a clock that was set back costs the time code, not the run") {
   const std::string folder = scratch_folder("exr-backwards");
   auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.framerate_hz = 25.0});
