@@ -1,0 +1,93 @@
+// The front end `run` in a tree of its own, with programs of the test in place of the build, hdrcam and jq:
+// where it works, what it refuses, and how it is interrupted.
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tests/places.h"
+#include "tests/support/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Said {
+  int exit_code = -1;
+  std::string text;  // of both streams
+};
+
+void write_program(const std::string& path, const std::string& lines) {
+  std::ofstream(path) << "#!/bin/sh\n" << lines << "\n";
+  fs::permissions(path, fs::perms::owner_all);
+}
+
+// place()/tree: a checkout in which everything is built and installed; place()/elsewhere: an empty folder.
+class Checkout {
+ public:
+  explicit Checkout(const std::string& name) : place_(test::scratch_folder(name)) {
+    for (const char* folder : {"/tree/build/release", "/tree/firmware_host", "/bin", "/elsewhere"})
+      fs::create_directories(place_ + folder);
+    fs::copy_file(HDRCAM_SOURCE_DIR "/run", place_ + "/tree/run");
+    fs::copy(HDRCAM_SOURCE_DIR "/firmware_host/fleet", place_ + "/tree/firmware_host/fleet");
+    replace("cmake", "true");
+    replace("dpkg-query", "echo installed");
+    // -r --arg name NAME FILTER FILE
+    replace("jq", "cat \"$6\" >/dev/null && printf '%s\\t3\\t1\\t2\\n' \"$4\"");
+    // replay RECORDING -o FOLDER/%06d.exr ..
+    write_program(
+        place_ + "/tree/build/release/hdrcam",
+        "mkdir -p \"${4%/*}\" && echo \"$2\" >\"${4%/*}/000000.exr\"; echo '{}' >\"${4%/*}/stats.json\"");
+  }
+
+  void replace(const std::string& program, const std::string& lines) const {
+    write_program(place_ + "/bin/" + program, lines);
+  }
+  // line: of a shell that stands in place()/folder.
+  Said shell(const std::string& folder, const std::string& line) const {
+    const std::string command =
+        fmt::format("cd {0}/{1} && {{ PATH={0}/bin:$PATH {2}; }} 2>&1", place_, folder, line);
+    std::FILE* const pipe = ::popen(command.c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    Said said;
+    char block[512];
+    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;) said.text.append(block, n);
+    const int status = ::pclose(pipe);
+    if (WIFEXITED(status)) said.exit_code = WEXITSTATUS(status);
+    return said;
+  }
+  bool has(const std::string& file) const { return fs::exists(place_ + "/" + file); }
+  std::string place() const { return place_; }
+
+ private:
+  const std::string place_;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "the front end works in its own folder, by a link and beside a folder of that name that CDPATH knows") {
+  const Checkout checkout("run_own_folder");
+  fs::create_symlink("../tree/run", checkout.place() + "/elsewhere/hdr");
+  const Said linked = checkout.shell("elsewhere", "./hdr demo");
+  INFO(linked.text);
+  CHECK(linked.exit_code == 0);
+  CHECK(checkout.has("tree/out/demo/000000.exr"));
+  CHECK_FALSE(checkout.has("elsewhere/build"));
+
+  fs::remove_all(checkout.place() + "/tree/out");
+  fs::create_directories(checkout.place() + "/elsewhere/tree");
+  const Said beside =
+      checkout.shell(".", fmt::format("CDPATH={}/elsewhere bash tree/run demo", checkout.place()));
+  INFO(beside.text);
+  CHECK(beside.exit_code == 0);
+  CHECK(checkout.has("tree/out/demo/000000.exr"));
+}
