@@ -91,3 +91,13 @@ TEST_CASE(
   CHECK(beside.exit_code == 0);
   CHECK(checkout.has("tree/out/demo/000000.exr"));
 }
+
+TEST_CASE("files that are named to the front end from another folder are that folder's") {
+  const Checkout checkout("run_other_folder");
+  std::ofstream(checkout.place() + "/elsewhere/a.mkv") << "recording";
+  const Said said = checkout.shell("elsewhere", "../tree/run fleet --plain -o out a.mkv");
+  INFO(said.text);
+  CHECK(said.exit_code == 0);
+  CHECK(checkout.has("elsewhere/out/a/000000.exr"));
+  CHECK_FALSE(checkout.has("tree/out"));
+}
