@@ -101,3 +101,13 @@ TEST_CASE("files that are named to the front end from another folder are that fo
   CHECK(checkout.has("elsewhere/out/a/000000.exr"));
   CHECK_FALSE(checkout.has("tree/out"));
 }
+
+TEST_CASE("a verb of the front end that takes no argument refuses one and does nothing") {
+  const Checkout checkout("run_no_argument");
+  for (const char* verb : {"demo", "check", "package", "format"}) {
+    const Said said = checkout.shell("tree", fmt::format("./run {} quick", verb));
+    CHECK(said.exit_code == 1);
+    CHECK(said.text == fmt::format("run: {} takes no argument, not 'quick'\n", verb));
+  }
+  CHECK_FALSE(checkout.has("tree/out"));
+}
