@@ -111,3 +111,26 @@ TEST_CASE("a verb of the front end that takes no argument refuses one and does n
   }
   CHECK_FALSE(checkout.has("tree/out"));
 }
+
+TEST_CASE("what is interrupted ends: no later check begins, and no later clip is scored") {
+  const Checkout checkout("run_interrupted");
+  // ^C goes to all programs of a terminal; one that handles it ends with a code of its own.
+  const std::string interrupted = "trap 'exit 2' INT; kill -INT 0; exit 2",
+                    alone = "env --default-signal=INT setsid --wait ";
+  checkout.replace("cmake", interrupted);
+  const Said check = checkout.shell("tree", alone + "./run check");
+  INFO(check.text);
+  CHECK(check.exit_code == 130);
+  CHECK_THAT(check.text, Contains("== ./run test") && !Contains("== ./run lint"));
+
+  checkout.replace("hdrcam", interrupted);
+  for (const char* clip : {"one", "two"}) {
+    fs::create_directories(checkout.place() + "/clips/" + clip + "/gt");
+    std::ofstream(checkout.place() + "/clips/" + clip + "/clip.json") << "{}";
+  }
+  const Said quality = checkout.shell(
+      "elsewhere", alone + HDRCAM_SOURCE_DIR "/tests/quality/run_quality.sh ../clips --hdrcam hdrcam");
+  INFO(quality.text);
+  CHECK(quality.exit_code == 130);
+  CHECK_THAT(quality.text, Contains("one") && !Contains("two"));
+}

@@ -114,8 +114,8 @@ boot() {
     shares+=(-fsdev "local,id=${tag%%=*},security_model=none,path=$cache/${tag#*=}"
       -device "virtio-9p-pci,fsdev=${tag%%=*},mount_tag=${tag%%=*}")
   done
-  # One processor: emulating two takes longer.
-  LD_LIBRARY_PATH=$libraries timeout "${HIL_TIMEOUT:-900}" "$qemu" "${firmware[@]}" -M q35 -accel tcg -cpu max -m 1024 \
+  # One processor: emulating two takes longer. In the foreground, where ^C reaches it.
+  LD_LIBRARY_PATH=$libraries timeout --foreground "${HIL_TIMEOUT:-900}" "$qemu" "${firmware[@]}" -M q35 -accel tcg -cpu max -m 1024 \
     -display none -no-reboot -nodefaults -serial file:serial.txt "${shares[@]}" -kernel kernel/boot/vmlinuz-"$release" \
     -initrd initramfs -append "console=ttyS0 panic=-1 quiet" < /dev/null
 }

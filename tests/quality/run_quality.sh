@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Scores hdrcam on every clip with ground truth under a folder, beside classical peers if wanted.
 set -euo pipefail
+trap 'exit 130' INT # replay ends in order at ^C; what is next would begin
 
 usage() {
   cat <<'TEXT'
