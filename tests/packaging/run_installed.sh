@@ -24,7 +24,7 @@ PATH=$work/usr/bin:$PATH
 
 guides=$work/usr/share/doc/hdrcam
 quiet "the pages that README.md links are there" \
-  sh -c "cd '$guides' && ls -d \$(grep -o '](docs/[a-z-]*[.]md' README.md | cut -c3- | sort -u) >/dev/null"
+  sh -c "cd '$guides' && ls -d \$(grep -o '](docs/[A-Za-z/-]*[.]md' README.md | cut -c3- | sort -u) >/dev/null"
 
 # The library, by both ways to find it.
 example=$work/usr/share/doc/hdrcam-dev/examples/mean_radiance
