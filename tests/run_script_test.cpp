@@ -129,7 +129,7 @@ TEST_CASE("what is interrupted ends: no later check begins, and no later clip is
     std::ofstream(checkout.place() + "/clips/" + clip + "/clip.json") << "{}";
   }
   const Said quality = checkout.shell(
-      "elsewhere", alone + HDRCAM_SOURCE_DIR "/tests/quality/run_quality.sh ../clips --hdrcam hdrcam");
+      "elsewhere", alone + "'" HDRCAM_SOURCE_DIR "/tests/quality/run_quality.sh' ../clips --hdrcam hdrcam");
   INFO(quality.text);
   CHECK(quality.exit_code == 130);
   CHECK_THAT(quality.text, Contains("one") && !Contains("two"));

@@ -33,7 +33,7 @@ std::vector<json> objects_in(const std::string& text) {
 // The objects on the standard error stream of the program as installed, and its exit code.
 std::pair<std::vector<json>, int> log_of(const std::string& words) {
   const std::string file = sample::scratch_folder("log") + "/stderr";
-  const int status = std::system((HDRCAM_BINARY " " + words + " >/dev/null 2>" + file).c_str());
+  const int status = std::system(("'" HDRCAM_BINARY "' " + words + " >/dev/null 2>" + file).c_str());
   return {objects_in(value_of(read_whole(posix_storage(), file))), WEXITSTATUS(status)};
 }
 

@@ -22,7 +22,7 @@ struct Ran {
 
 // arguments: as a shell takes them; before: what stands before the program, such as an environment.
 inline Ran ran(const std::string& arguments, const std::string& before = "") {
-  std::FILE* pipe = popen((before + " " + HDRCAM_BINARY + " " + arguments + " 2>&1").c_str(), "r");
+  std::FILE* pipe = popen((before + " '" HDRCAM_BINARY "' " + arguments + " 2>&1").c_str(), "r");
   REQUIRE(pipe != nullptr);
   Ran ran;
   char buffer[512];

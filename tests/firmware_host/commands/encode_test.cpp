@@ -32,7 +32,7 @@ const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
 
 // What the program writes to its standard output, and its exit code.
 std::pair<std::string, int> piped(const std::string& words) {
-  std::FILE* const pipe = ::popen((HDRCAM_BINARY " " + words + " 2>/dev/null").c_str(), "r");
+  std::FILE* const pipe = ::popen(("'" HDRCAM_BINARY "' " + words + " 2>/dev/null").c_str(), "r");
   REQUIRE(pipe != nullptr);
   std::string bytes;
   char block[1 << 16];
@@ -102,7 +102,7 @@ TEST_CASE("a replay writes a video, frames beside it, and encode makes the same 
   for (std::size_t i = 0; i < 7; ++i) CHECK(a.frames[i].time_s == Approx(b.frames[i].time_s).margin(1e-6));
   // Before the codec, but for the rounding of half floats.
   const auto [replayed_codes, replay_code] =
-      piped("replay " + kDemo + " --preset fast --emit state --frames 7 -o - --pipe-format y4m");
+      piped("replay '" + kDemo + "' --preset fast --emit state --frames 7 -o - --pipe-format y4m");
   const auto [encoded_codes, encode_code] = piped("encode " + out + "/%06d.exr -o - --pipe-format y4m");
   CHECK(replay_code == 0);
   CHECK(encode_code == 0);
@@ -148,7 +148,8 @@ TEST_CASE("a video that is stopped holds the frames before it, and encode says h
 
 TEST_CASE("frames go to a pipe, and nothing but frames") {
   const std::string out = sample::scratch_folder("encode_pipe");
-  const std::string replay = "replay " + kDemo + " --preset fast --emit state --frames 6 -o - --pipe-format ";
+  const std::string replay =
+      "replay '" + kDemo + "' --preset fast --emit state --frames 6 -o - --pipe-format ";
   const auto [y4m, y4m_code] = piped(replay + "y4m");
   CHECK(y4m_code == 0);
   CHECK(y4m.starts_with("YUV4MPEG2 "));

@@ -63,7 +63,10 @@ Ran ran_with(const Job& job, const std::string& out, const std::string& fault) {
        {std::pair<std::string, std::string>("{in}", input_folder()), {"{out}", out}})
     for (std::size_t at; (at = flags.find(name)) != std::string::npos;)
       flags.replace(at, name.size(), folder);
-  const std::string environment = "LD_PRELOAD=" HDRCAM_FAILING_WRITES " HDRCAM_WRITES_COUNTED='" +
+  // By its name alone: LD_PRELOAD is split at blanks, which its folder may have.
+  const fs::path library = HDRCAM_FAILING_WRITES;
+  const std::string environment = "LD_LIBRARY_PATH='" + library.parent_path().string() +
+                                  "' LD_PRELOAD=" + library.filename().string() + " HDRCAM_WRITES_COUNTED='" +
                                   input_folder() + "/count' HDRCAM_FAILING_WRITE='" + fault + "'";
   return test::ran(flags, environment);
 }

@@ -60,7 +60,7 @@ class Fleet {
  private:
   Said shell(const std::string& line) const {
     const std::string command =
-        fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam {1}/firmware_host/fleet/{2} 2>&1", place_,
+        fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam '{1}/firmware_host/fleet/'{2} 2>&1", place_,
                     HDRCAM_SOURCE_DIR, line);
     std::FILE* const pipe = ::popen(command.c_str(), "r");
     REQUIRE(pipe != nullptr);
