@@ -186,9 +186,9 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
                                        [](const std::string& word) { return word.starts_with('-'); });
   if (extra_flag != extras.end()) {
     const std::string flag = extra_flag->substr(0, extra_flag->find('='));
-    if (place.get_option_no_throw(flag) != nullptr)
+    if (place.get_option_no_throw(flag) != nullptr)  // behind its verb it would have been understood
       return {ErrorCode::Invalid,
-              fmt::format("flag '{}' stands before its verb; give it behind '{}'", flag, verb.words)};
+              fmt::format("flag '{}' belongs behind '{}'; see '{}'", flag, verb.words, help)};
     return {ErrorCode::Invalid,
             fmt::format("unknown flag '{}'{}; see '{}'", flag, meant_by_flag(app, flag, flags), help)};
   }

@@ -120,6 +120,10 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
              Contains("unknown flag '--config'") && !Contains("mean '--config'") &&
                  Contains("'hdrcam bench kernels --help'"));
   CHECK_THAT(refused({"bench", "pareto"}), Contains("'hdrcam bench pareto --help'"));
+  CHECK_THAT(refused({"bench", "--seconds", "1", "kernels"}),
+             Contains("flag '--seconds' belongs behind 'hdrcam bench kernels'"));
+  CHECK_THAT(refused({"--preset", "fast", "replay", "walk.mkv"}),
+             Contains("flag '--preset' belongs behind 'hdrcam replay'"));
   CHECK_THAT(refused({"bench", "paretto"}), Contains("'paretto' (did you mean 'pareto'?)"));
   CHECK_THAT(refused({"live", "sim:walk"}), Contains("'sim:walk' (did you mean '--camera sim:walk'?)"));
   CHECK_THAT(refused({"record", "/dev/video0", "-o", "walk.mkv"}), Contains("'--camera /dev/video0'"));
