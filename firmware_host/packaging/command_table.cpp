@@ -96,8 +96,13 @@ VerbEntry entry_of(const CLI::App& app) {
     which.about += (which.about.empty() ? "" : "; ") + one->get_name() + ": " + one->get_description();
     which.value += (which.value.empty() ? "" : "|") + one->get_name();
   }
-  verb.arguments.insert(verb.arguments.begin(), which);
   for (const CLI::App* one : inner) add_options(*one, verb);
+  for (FlagEntry& argument : verb.arguments)
+    argument.required = std::ranges::all_of(inner, [&](const CLI::App* one) {
+      const CLI::Option* option = one->get_option_no_throw(argument.names.front());
+      return option != nullptr && option->get_required();
+    });
+  verb.arguments.insert(verb.arguments.begin(), which);
   return verb;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include "firmware_host/exit_code.h"
 #include "firmware_host/version.h"
@@ -97,10 +98,15 @@ ManualPage page_of_program(const CommandTable& table) {
 ManualPage page_of(const VerbEntry& verb) {
   const std::string name = "hdrcam-" + verb.name;
   std::string text = title(name, verb.about);
-  text += fmt::format(".SH SYNOPSIS\n\\fBhdrcam {}\\fR [\\fIflags\\fR]", roff(verb.name));
-  for (const FlagEntry& argument : verb.arguments)
+  text += fmt::format(".SH SYNOPSIS\n\\fBhdrcam {}\\fR", roff(verb.name));
+  std::string flags = " [\\fIflags\\fR]";
+  for (const FlagEntry& argument : verb.arguments) {
+    // The flags of a verb's own verb stand behind that verb.
+    if (argument.names.front() != kInnerVerb) text += std::exchange(flags, "");
     text += fmt::format(" {}\\fI{}\\fR{}", argument.required ? "" : "[", roff(argument.names.front()),
                         argument.required ? "" : "]");
+  }
+  text += flags;
   text += '\n';
   if (!verb.arguments.empty()) text += ".SH ARGUMENTS\n";
   for (const FlagEntry& argument : verb.arguments) text += paragraph(argument);

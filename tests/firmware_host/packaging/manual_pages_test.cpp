@@ -1,5 +1,6 @@
 #include "firmware_host/packaging/manual_pages.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -59,6 +60,14 @@ TEST_CASE("the manual page of a verb groups its flags as --help does") {
   CHECK(replay.find("\\-\\-preset") < replay.find(".SS Output"));
   CHECK_THAT(replay, Contains("quality against time; realtime has no field (realtime, fast, balanced or "
                               "best); default balanced"));
+}
+
+TEST_CASE(
+    "a verb's own verbs stand before its flags on its manual page, and what one of them takes is optional") {
+  const std::vector<ManualPage> pages = manual_pages(product());
+  const auto bench = std::ranges::find(pages, "hdrcam-bench.1", &ManualPage::name);
+  REQUIRE(bench != pages.end());
+  CHECK_THAT(bench->roff, Contains("\\fBhdrcam bench\\fR \\fIwhat\\fR [\\fIflags\\fR] [\\fICLIP\\fR]\n"));
 }
 
 TEST_CASE("what roff would read as a request or an escape is text on a manual page") {
