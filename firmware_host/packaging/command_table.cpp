@@ -67,6 +67,8 @@ FlagEntry entry_of(const CLI::Option& option) {
   entry.about = one_line(option.get_description());
   entry.group = option.get_group();
   entry.required = option.get_required();
+  entry.repeated = option.get_items_expected_max() > 1 ||
+                   option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
   return entry;
 }
 

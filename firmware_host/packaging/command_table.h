@@ -22,6 +22,7 @@ struct FlagEntry {
   std::vector<std::string> words;  // where they are known; one that ends in '=' or ':' goes on
   std::string about, group;        // group: the heading in --help, "Output"
   bool required = false;
+  bool repeated = false;  // may be given again, with another value
 };
 
 struct VerbEntry {

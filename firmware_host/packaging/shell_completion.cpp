@@ -137,7 +137,7 @@ std::string zsh_completion(const CommandTable& table) {
     cases += fmt::format("    {})\n      _arguments -S", verb.name);
     for (const FlagEntry& flag : verb.flags) {
       const std::string both = fmt::format("{}", fmt::join(flag.names, " "));
-      const std::string repeat = flag.names.back() == "--set" ? "*" : fmt::format("({})", both);
+      const std::string repeat = flag.repeated ? "*" : fmt::format("({})", both);
       for (const std::string& name : flag.names) {
         const bool long_name = name.starts_with("--") && flag.kind != ValueKind::None;
         cases += fmt::format(" \\\n        {}",

@@ -132,6 +132,8 @@ TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
   }
   CHECK(missing.empty());
   CHECK_THAT(zsh, Catch::Contains(":(realtime fast balanced best)'"));
+  for (const char* repeated : {"'*--set=[", "'*--point=["}) CHECK_THAT(zsh, Catch::Contains(repeated));
+  CHECK_THAT(zsh, Catch::Contains("'(--preset)--preset=["));
   CHECK_THAT(fish, Catch::Contains("-l preset -x -a 'realtime fast balanced best'"));
 }
 
