@@ -44,7 +44,10 @@ Flag CommandLine::add_option(const char* names, std::string& target, const char*
 }
 
 Flag CommandLine::add_option(const char* names, std::vector<std::string>& target, const char* help) {
-  return Flag(*parser_->add_option(names, target, help));
+  CLI::Option* const option = parser_->add_option(names, target, help);
+  if (option->nonpositional())
+    option->allow_extra_args(false);  // one value each time; the next word is another's
+  return Flag(*option);
 }
 
 Flag CommandLine::add_option(const char* names, int& target, const char* help) {

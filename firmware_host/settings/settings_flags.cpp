@@ -78,6 +78,7 @@ struct SettingsFlags::Given {
           ->type_name("NAME=VALUE")
           ->take_all()
           ->expected(1)
+          ->allow_extra_args(false)
           ->group(title(SettingGroup::Fit));
     verb.add_option("--config", config, "settings in TOML; flags override them")
         ->check(names_file)

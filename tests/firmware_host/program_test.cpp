@@ -134,6 +134,17 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
              Contains("flag '--threads' stands before its verb; give it behind 'hdrcam replay'"));
 }
 
+TEST_CASE("a flag that may be repeated takes one word each time, and the word behind it is an argument") {
+  const RanHere replay =
+      ran_here({"replay", "--set", "steps=0", "no.mkv", "-o", "o/%06d.exr", "--set=hidden=8"});
+  CHECK_THAT(replay.err, Contains("'no.mkv' does not exist"));
+  const RanHere bench =
+      ran_here({"bench", "pareto", "--point", "fast", "noclip", "-o", "o", "--point", "best"});
+  CHECK_THAT(bench.err, Contains("'noclip"));
+  CHECK(ran_here({"replay", "no.mkv", "-o", "o/%06d.exr", "--set", "steps=0", "hidden=8"}).exit_code ==
+        kExitUsage);
+}
+
 TEST_CASE("a value that is missing or no number is told with its flag and what the flag takes") {
   const auto refused = [](const std::vector<std::string>& words) {
     const RanHere result = ran_here(words);
