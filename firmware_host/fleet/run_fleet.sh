@@ -34,7 +34,8 @@ list=$(grep -x -m 1 -e recordings -e flags <<<"$names" || true)
 mkdir -p "$out"
 out=$(realpath "$out")
 printf '%s\n' "${recordings[@]}" >"$out/recordings"
-printf '%s\n' ${flags[@]+"${flags[@]}"} | sed '/^$/d' >"$out/flags"
+: >"$out/flags"
+[ ${#flags[@]} = 0 ] || printf '%s\n' "${flags[@]}" >"$out/flags" # an empty one, as of --layers '', is a flag, too
 last=$((${#recordings[@]} - 1))
 threads=2 # of a job: beyond two the fit gains little
 

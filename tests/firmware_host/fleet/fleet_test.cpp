@@ -79,6 +79,22 @@ constexpr const char* kOfAnother = "not run; what is there is of another recordi
 
 }  // namespace
 
+TEST_CASE("a fleet hands on every flag of replay, an empty value too, and none where there are none") {
+  const Fleet fleet("fleet_flags");
+  fleet.program("hdrcam", "echo \"$#\" >\"${4%/*}/words\"; echo '{}' >\"$6\"");
+  const auto words = [&] {
+    std::ifstream file(fleet.out() + "/a/words");
+    int count = 0;
+    file >> count;
+    return count;
+  };
+  REQUIRE(fleet.run_on("a.mkv", "").exit_code == 0);
+  const int without = words();
+  REQUIRE(without > 0);
+  REQUIRE(fleet.run_on("a.mkv", " -- --layers '' --readout ''").exit_code == 0);
+  CHECK(words() == without + 4);
+}
+
 TEST_CASE("a fleet does each recording once, and anew under other flags, without frames of the job before") {
   const Fleet fleet("fleet_anew");
   const Said first = fleet.run("--plain", "3");
