@@ -93,8 +93,8 @@ void add_flow(KernelTasks& tasks, const SharedRoom& room) {
   add_task(tasks, "flow: patches to pixels", "px", room->pixels(), [room, search, &kernels, rows] {
     kernels.spread(search(), 0, rows, {room->flow.plane(0), room->flow.plane(1)}, room->weight.plane(0));
   });
-  // a place 10, two vectors read 12, their sum and its length 6, an exponential 20, bounds 4
-  add_rows(tasks, "flow: rating", rows, cols, 52, 5, [room, &kernels, rows, cols](int y) {
+  // a place 8, the sum of there and back and its length 5, an exponential 21, bounds 4
+  add_rows(tasks, "flow: rating", rows, cols, 38, 5, [room, &kernels, rows, cols](int y) {
     kernels.rate({.there = room->vectors.plane(0),
                   .back = room->vectors.plane(2),
                   .rows = rows,
@@ -116,8 +116,8 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   clipped->fill(1, 0);
   const auto nowhere = std::make_shared<Image<float>>(1, 1, cols / kLandingCell + 1);
   nowhere->fill(kNowhere);
-  // three rounds of two places, seven components read, a mean and a bend; a last place, two shares
-  add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 100 + 50, 15,
+  // two rounds: places 18, a mean 6, a bend 25; then a place 10, two shares 17, what they take over 10
+  add_rows(tasks, "motion over a clipped frame", rows, cols, 2 * (18 + 6 + 25) + 37, 15,
            [room, clipped, nowhere, rows, cols](int y) {
              clipped_motion_kernels().bridge({.at = {rows, cols, y},
                                               .clipped = clipped->row(0, y),
@@ -135,8 +135,8 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
                                               .v = room->flow.row(1, y),
                                               .measured = room->weight.row(0, y)});
            });
-  // a place, three components read, a change, three shares
-  add_rows(tasks, "motion of the next step", rows, cols, 60, 9, [room, clipped, rows, cols](int y) {
+  // a place 8, a change 4 and its length 3, two shares 16 and what they make of it 9
+  add_rows(tasks, "motion of the next step", rows, cols, 40, 8, [room, clipped, rows, cols](int y) {
     clipped_motion_kernels().predict({.at = {rows, cols, y},
                                       .u = room->vectors.row(0, y),
                                       .v = room->vectors.row(1, y),

@@ -136,7 +136,7 @@ void add_carrying(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
   const int rows = room->rows, cols = room->cols;
   const auto flow = std::make_shared<RandomPlanes>(2, rows, cols, -6, 6, 5);
-  add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 4, [room, flow, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 3, [room, flow, &kernels, cols](int y) {
     kernels.warp_variance(
         {.dx = flow->row(0, y), .dy = flow->row(1, y), .scale = 0.4f, .per_contrast = room->out.row(3, y)},
         cols);

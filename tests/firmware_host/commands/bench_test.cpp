@@ -1,6 +1,7 @@
 // The verb `bench` as a user meets it, on a small clip that the simulator films.
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -139,6 +140,24 @@ TEST_CASE("the page of what accuracy costs has every kernel that is measured") {
     CHECK((page.find("| " + task.name + " |") != std::string::npos ||
            page.find("`" + task.name + "`") != std::string::npos));
   }
+}
+
+TEST_CASE("a kernel's bytes are those of the planes that it reads and writes") {
+  const std::map<std::string, int> planes = {
+      {"fusion: stand-ins", 4},           // three read, one written
+      {"fusion: variance of a warp", 3},  // a flow read, one written
+      {"fusion: ageing", 8},              // seven read, one written
+      {"flow: rating", 5},                // two flows read, one written
+      {"motion of the next step", 8}};    // two flows, two shares; a flow
+  std::size_t found = 0;
+  for (const KernelTask& task : kernel_tasks(96, 128)) {
+    const auto counted = planes.find(task.name);
+    if (counted == planes.end()) continue;
+    INFO(task.name);
+    CHECK(task.bytes == 4.0 * counted->second);
+    ++found;
+  }
+  CHECK(found == planes.size());
 }
 
 TEST_CASE("the ceiling of a kernel is the resource that it exhausts first") {
