@@ -69,10 +69,11 @@ std::vector<double> over_frames(const RunRecord& record,
   return averaged(values);
 }
 
-double value_named(const FrameValues& values, const std::string& wanted) {
+// absent: where no value has that name
+double value_named(const FrameValues& values, const std::string& wanted, double absent) {
   for (const NamedValue& entry : values)
     if (entry.name == wanted) return entry.value;
-  return kHole;
+  return absent;
 }
 
 // The names in the order in which they first occur in any frame.
@@ -94,11 +95,12 @@ Chart frame_chart(const RunRecord& record, const char* label, const char* y_labe
   return chart;
 }
 
-std::vector<ChartSeries> series_of(const RunRecord& record, FrameValues FrameRecord::*list) {
+// absent: what a frame without a value has
+std::vector<ChartSeries> series_of(const RunRecord& record, FrameValues FrameRecord::*list, double absent) {
   std::vector<ChartSeries> series;
   for (const std::string& name : names_in(record, list))
     series.push_back({name, series_colour(series.size()), over_frames(record, [&](const FrameRecord& frame) {
-                        return value_named(frame.*list, name);
+                        return value_named(frame.*list, name, absent);
                       })});
   return series;
 }
@@ -155,7 +157,7 @@ std::string scores_section(const RunRecord& record) {
 
 std::string time_section(const RunRecord& record) {
   Chart chart = frame_chart(record, "time per frame by stage", "ms per frame");
-  chart.series = series_of(record, &FrameRecord::stages_ms);
+  chart.series = series_of(record, &FrameRecord::stages_ms, 0);  // a stage that did not run took no time
   chart.y_least = 0;
   if (record.deadline_ms > 0)
     chart.limit = ChartLimit{fmt::format("deadline {:.1f} ms", record.deadline_ms), record.deadline_ms};
@@ -214,7 +216,7 @@ std::string provenance_section(const RunRecord& record) {
 
 std::string loss_section(const RunRecord& record) {
   Chart chart = frame_chart(record, "loss terms over time", "weighted loss");
-  chart.series = series_of(record, &FrameRecord::losses);
+  chart.series = series_of(record, &FrameRecord::losses, kHole);
   chart.logarithmic_y = true;
   if (chart.series.empty()) return "";
   return section("Fit",

@@ -117,6 +117,23 @@ TEST_CASE("the page of a long run is not much larger than that of a short one") 
   CHECK(report_html(test::example_run(20000), {}).size() < 200'000);
 }
 
+TEST_CASE("a bar of several frames is their mean time, also where a stage did not run in all of them") {
+  // every second frame 10 ms, or each one 5
+  const auto time_chart = [](double even_ms, double odd_ms) {
+    RunRecord record = test::example_run(480);
+    for (std::size_t i = 0; i < record.frames.size(); ++i) {
+      record.frames[i].stages_ms = {{"flow", 10}};
+      if (const double ms = i % 2 == 0 ? even_ms : odd_ms; ms > 0)
+        add_to(record.frames[i].stages_ms, {"noise", ms});
+    }
+    const std::string html = report_html(record, {});
+    const std::size_t begin = html.find("<figure");
+    return html.substr(begin, html.find("</figure>") - begin);
+  };
+  CHECK_THAT(time_chart(5, 5), Contains("<title>noise</title>"));
+  CHECK(time_chart(10, 0) == time_chart(5, 5));
+}
+
 TEST_CASE("base64 is that of RFC 4648") {
   CHECK(base64(bytes_of("")).empty());
   CHECK(base64(bytes_of("f")) == "Zg==");
