@@ -77,6 +77,7 @@ void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
     set("cpu-used", "8");
     set("lag-in-frames", "0");
     set("row-mt", "1");
+    set("aom-params", "chroma-sample-position=vertical");  // left, which FFmpeg does not pass on
     encoder.thread_count = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
     return;
   }

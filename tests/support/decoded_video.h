@@ -29,7 +29,7 @@ struct DecodedFrame {
 struct DecodedVideo {
   std::string codec, pixel_format, container;
   int width = 0, height = 0;
-  std::string primaries, transfer, matrix, range;
+  std::string primaries, transfer, matrix, range, siting;
   std::optional<AVMasteringDisplayMetadata> mastering;  // of the container
   std::optional<AVContentLightMetadata> light;
   std::vector<DecodedFrame> frames;
@@ -91,6 +91,7 @@ inline DecodedVideo decoded_video(const std::string& path) {
       video.transfer = text(av_color_transfer_name(frame->color_trc));
       video.matrix = text(av_color_space_name(frame->colorspace));
       video.range = text(av_color_range_name(frame->color_range));
+      video.siting = text(av_chroma_location_name(frame->chroma_location));
       video.frames.push_back(
           {static_cast<double>(frame->best_effort_timestamp) * av_q2d(stream.time_base), plane_of(*frame, 0),
            plane_of(*frame, 1), plane_of(*frame, 2),

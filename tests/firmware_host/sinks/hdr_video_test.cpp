@@ -120,6 +120,7 @@ TEST_CASE("an HDR10 file says what it is, in the container and in the stream, an
     CHECK(video.transfer == "smpte2084");
     CHECK(video.matrix == "bt2020nc");
     CHECK(video.range == "tv");
+    CHECK(video.siting == "left");
     REQUIRE(video.frames.size() == 12);
     const auto& in_stream = video.frames.front();
     REQUIRE(in_stream.mastering);
@@ -236,6 +237,8 @@ TEST_CASE("AV1 says the same of itself as HEVC") {
   const DecodedVideo video = made(folder + "/x.mp4", 4, {.codec = CodecChoice::Av1, .crf = 8});
   CHECK(video.codec == "av1");
   CHECK(video.transfer == "smpte2084");
+  CHECK(video.range == "tv");
+  CHECK(video.siting == "left");
   REQUIRE(video.frames.size() == 4);
   REQUIRE(video.light);
   CHECK(video.light->MaxCLL == 792);
