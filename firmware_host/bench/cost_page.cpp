@@ -82,8 +82,9 @@ std::string cost_table(std::span<const PointCost> costs) {
       "|---|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < means.size(); ++i) {
     const PointCost& m = means[i];
-    text += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.4f} | {} |\n", m.point, m.mean_ms,
-                        m.p95_ms, m.psnr_mu_db, m.worst_psnr_mu_db, m.flicker_stops, front[i] ? "yes" : "");
+    const std::string flicker = std::isfinite(m.flicker_stops) ? fmt::format("{:.4f}", m.flicker_stops) : "-";
+    text += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {} | {} |\n", m.point, m.mean_ms,
+                        m.p95_ms, m.psnr_mu_db, m.worst_psnr_mu_db, flicker, front[i] ? "yes" : "");
   }
   return text;
 }

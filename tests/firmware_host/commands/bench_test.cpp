@@ -1,6 +1,7 @@
 // The verb `bench` as a user meets it, on a small clip that the simulator films.
 #include <atomic>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -263,6 +264,12 @@ TEST_CASE("a point's mean is over its clips, and the table is in the order of ti
   CHECK(means[1].mean_ms == Approx(15));
   const std::string table = cost_table(costs);
   CHECK(table.find("| quick |") < table.find("| slow |"));
+}
+
+TEST_CASE("a point of a clip without true motion has no flicker in the table") {
+  std::vector<PointCost> costs{point("fast", 40, 30)};
+  costs[0].flicker_stops = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THAT(cost_table(costs), Catch::Contains("| fast | 40.0 | 0.0 | 30.00 | 0.00 | - | yes |"));
 }
 
 }  // namespace hdrcam
