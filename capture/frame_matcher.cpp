@@ -42,14 +42,15 @@ ExposureRequest FrameMatcher::next_request() {
 // sensor did not answer is no frame of its, so its controls did not act meanwhile.
 int FrameMatcher::frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
                                int triggers) const {
-  constexpr double kOffGrid = 0.3, kLongest = 1e6;
+  // Of 29.97 Hz for 30 the grid is .3 frames off after that many: of a longer gap it tells nothing.
+  constexpr double kOffGrid = 0.3, kFurthestOnGrid = 300, kLongest = 1e6;  // frames
   const double by_number =
       buffer.sequence > previous.sequence ? static_cast<double>(buffer.sequence - previous.sequence) : 0;
   if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
   const double elapsed = interval_.frames_in(buffer.timestamp - previous.timestamp);
   const double by_time = std::round(elapsed);
-  const bool on_grid =
-      interval_.measured() && previous.in_order && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
+  const bool on_grid = interval_.measured() && previous.in_order && by_time >= 1 &&
+                       by_time <= kFurthestOnGrid && std::abs(elapsed - by_time) <= kOffGrid;
   const auto by_strobe = static_cast<double>(strobes);
   const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
   const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;

@@ -10,8 +10,9 @@
 // Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
 // decides if it lies on the grid of the frame interval, otherwise the number (counters restart in standby and
-// miss drops). From a time that went back nothing is counted. With a trigger there is nothing to decide: each
-// pulse that was driven is a frame. Thread-bound; bounded state, no allocation.
+// miss drops). A jump of more than 300 frames is no gap that a counter missed, but a clock that was set or a
+// machine that slept: the number decides. From a time that went back nothing is counted. With a trigger there
+// is nothing to decide: each pulse that was driven is a frame. Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <optional>
