@@ -154,12 +154,22 @@ Result<void> CaptureStage::drain_strobe() {
   return {};
 }
 
+// Once more where the time is over and hardly a pulse was driven meanwhile: the sensor had nothing to answer.
+Result<CapturedBuffer> CaptureStage::wait() {
+  const std::uint64_t driven = trigger_.driven();
+  Result<CapturedBuffer> waited = camera_.wait(options_.patience);
+  if (!waited && waited.error().code == ErrorCode::Timeout && trigger_.held_up(driven, options_.patience))
+    waited = camera_.wait(options_.patience);
+  if (!waited) return trigger_.no_answer(waited.error());
+  return waited;
+}
+
 Result<void> CaptureStage::next(CapturedFrame& frame) {
   for (;;) {
     bool emitted = false;
     {
-      const Result<CapturedBuffer> waited = camera_.wait(options_.patience);
-      if (!waited) return trigger_.no_answer(waited.error());
+      const Result<CapturedBuffer> waited = wait();
+      if (!waited) return waited.error();
       const CapturedBuffer& buffer = waited.value();
       requests_.completed();
       trigger_.drain(*matcher_);

@@ -88,6 +88,8 @@ class CaptureStage {
   void collect_warnings();
   void restart_matching();
   Result<void> drain_strobe();
+  // The camera's next buffer. Errors: the camera's own.
+  Result<CapturedBuffer> wait();
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);

@@ -42,6 +42,12 @@ Result<void> TriggerLink::check_driven() {
   return *failure;
 }
 
+bool TriggerLink::held_up(std::uint64_t driven_before, Duration waited) const {
+  if (trigger_ == nullptr || trigger_->failure()) return false;
+  const auto due = static_cast<std::uint64_t>(waited / trigger_->options().interval);
+  return trigger_->driven() - driven_before < due / 2;
+}
+
 Error TriggerLink::no_answer(const Error& failed_wait) const {
   if (trigger_ == nullptr || failed_wait.code != ErrorCode::Timeout) return failed_wait;
   if (const auto failure = trigger_->failure()) return *failure;

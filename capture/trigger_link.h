@@ -39,6 +39,11 @@ class TriggerLink {
   // Call it for each frame. An error, where the line failed and frames come all the same, of a sensor that
   // goes on by itself: not for those that may have been exposed before.
   Result<void> check_driven();
+  // Pulses that were driven since the start; 0 without a trigger.
+  std::uint64_t driven() const { return trigger_ == nullptr ? 0 : trigger_->driven(); }
+  // Whether less than half of the pulses that are due in this time were driven, though the line works: the
+  // process was stopped, or the machine slept.
+  bool held_up(std::uint64_t driven_before, Duration waited) const;
   // Why no frame came: a camera that waits for pulses in vain looks like one that hangs.
   Error no_answer(const Error& failed_wait) const;
 

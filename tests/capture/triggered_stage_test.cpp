@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "hal/fault/faulty_camera.h"
 #include "hal/fault/faulty_trigger_line.h"
 #include "hal/sim/sim_bench.h"
 #include "hal/sim/simulated_trigger_line.h"
@@ -217,6 +218,24 @@ TEST_CASE("a line that goes away ends the run though the sensor goes on by itsel
   }
   CHECK(taken > 6);
   CHECK(taken < 20);
+}
+
+TEST_CASE("a process that was stopped until its patience was over waits for the pulses that follow",
+          "[capture]") {
+  Rig rig(TriggerMode::PulseWidth);  // its trigger, and another sensor on its wire
+  FaultyCamera camera(std::make_unique<SimulatedCamera>(
+                          value_of(simulation_of("still?size=32x24")), SimTime(rig.clock), 1,
+                          SimulatedWiring{.trigger = &rig.trigger_wire, .mode = TriggerMode::PulseWidth}),
+                      {{5, CameraFaultKind::Timeout}});
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kCycle, Mains::Off, {.trigger = &rig.trigger}));
+  require_done(stage->start());
+  CapturedFrame frame;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    REQUIRE(rig.trigger.drive_next());
+    require_done(stage->next(frame));
+    CHECK(frame.raw.facts.sequence == i);
+  }
+  CHECK(stage->counters().lost_by_camera == 0);
 }
 
 TEST_CASE("a sensor that answers no pulse is an error that names the line", "[capture]") {
