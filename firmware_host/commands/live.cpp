@@ -99,7 +99,8 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
         account_of(*camera) +
             recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
             camera->takes_account());
-  if (const std::string advice = way_out(counters, settings); !advice.empty()) remark("note: {}\n", advice);
+  if (const std::string advice = way_out(counters, settings, record); !advice.empty())
+    remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
   if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {

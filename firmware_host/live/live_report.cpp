@@ -31,7 +31,7 @@ std::string sentence_of(const LiveCounters& counters, LiveWork work) {
   const bool fits = work == LiveWork::Fit;
   const std::pair<std::uint64_t, const char*> reasons[] = {
       {fits ? 0 : counters.unwritten, "not written, the recording failed"},
-      {counters.shed, "shed, the fit was busy"},
+      {counters.shed, "shed, the fit or an output was busy"},
       {counters.left_out, "left out to hold the deadline"},
       {counters.unproved, "exposure not proved"},
       {counters.pool_full, "no room, the disk was busy"},
@@ -52,11 +52,33 @@ std::string sentence_of(const LiveCounters& counters, LiveWork work) {
   return text;
 }
 
-std::string way_out(const LiveCounters& counters, const Settings& settings) {
+namespace {
+
+// The output for which the fit waited longer than it worked; null where it did not. One that leaves frames
+// out does not keep the fit waiting.
+const SinkTimes* output_waited_for(const RunRecord& record) {
+  const double method_ms = method_summary(record).mean_ms;
+  if (mean_ms_per_frame(record) <= 2 * method_ms) return nullptr;
+  const SinkTimes* slowest = nullptr;
+  for (const SinkTimes& sink : record.sinks)
+    if (sink.left_out == 0 && (slowest == nullptr || sink.total_ms > slowest->total_ms)) slowest = &sink;
+  return slowest;
+}
+
+}  // namespace
+
+std::string way_out(const LiveCounters& counters, const Settings& settings, const RunRecord& record) {
   if (counters.shed + counters.left_out == 0) return "";
+  const SinkTimes* output = output_waited_for(record);
+  const std::string slow = output == nullptr
+                               ? "the fit"
+                               : fmt::format("the output '{}' ({:.0f} ms a frame; the fit {:.0f} ms)",
+                                             settings.output.path(output->name), output->mean_ms(),
+                                             method_summary(record).mean_ms);
   if (is_replayed(settings.camera.id))
-    return "the fit did not keep up with the recording; leave out --pace realtime, and every frame is worked "
-           "on";
+    return fmt::format(
+        "{} did not keep up with the recording; leave out --pace realtime, and every frame is worked on",
+        slow);
   const std::string& recording = settings.record.file;
   const std::uint64_t elsewhere = counters.in_takes + counters.not_requested;
   const bool whole = counters.not_recorded() + elsewhere == 0 && counters.recorded > 0;
@@ -64,6 +86,11 @@ std::string way_out(const LiveCounters& counters, const Settings& settings) {
       recording.empty() ? "; --record walk.mkv keeps all frames for a replay"
       : whole           ? fmt::format("; all frames are recorded: hdrcam replay {}", shell_word(recording))
                         : "";
+  if (output != nullptr)
+    return fmt::format(
+        "{} did not keep up with the camera; give it a faster disk or reader, leave it out, or give a "
+        "smaller --width and --height{}",
+        slow, later);
   return fmt::format("the fit did not keep up with the camera; give {}a smaller --width and --height{}{}",
                      settings.fit.preset == Preset::Realtime ? "" : "--preset realtime, ",
                      counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);

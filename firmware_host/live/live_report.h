@@ -29,11 +29,13 @@ class LiveStatus {
   double seconds_ = 0;
 };
 
-// "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and the camera's lost frames.
+// "captured 300 = emitted 298 + dropped 2 (2 shed, the fit or an output was busy)", and the camera's lost
+// frames.
 std::string sentence_of(const LiveCounters& counters, LiveWork work);
 
-// What gives more HDR frames where the fit did not keep up, a sentence without a full stop; "" where it did.
-std::string way_out(const LiveCounters& counters, const Settings& settings);
+// What gives more HDR frames where the fit or an output did not keep up, a sentence without a full stop; ""
+// where all did.
+std::string way_out(const LiveCounters& counters, const Settings& settings, const RunRecord& record);
 
 // Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);

@@ -1,0 +1,55 @@
+// What the end of a run on a camera says of frames that were dropped.
+#include "firmware_host/live/live_report.h"
+
+#include <catch2/catch.hpp>
+
+#include "hal/core/stage_timing.h"
+
+namespace hdrcam {
+namespace {
+
+// Frames on which the method works for so long, and which wait as long for the outputs.
+RunRecord record_of(double method_ms, double outputs_ms) {
+  RunRecord record;
+  for (int i = 0; i < 8; ++i) {
+    FrameRecord frame;
+    frame.total_ms = method_ms + outputs_ms;
+    frame.stages_ms = {{name(Stage::Sinks), outputs_ms}};
+    record.frames.push_back(frame);
+  }
+  return record;
+}
+
+Settings settings_with_outputs() {
+  Settings settings;
+  settings.camera.id = "sim:walk";
+  settings.output.paths["frames"] = "out/%06d.exr";
+  settings.output.paths["video"] = "out.mp4";
+  settings.output.paths["preview"] = "out/%06d.png";
+  return settings;
+}
+
+LiveCounters with_shed_frames() {
+  LiveCounters counters;
+  counters.shed = 20;
+  return counters;
+}
+
+TEST_CASE("where the fit waits for its outputs longer than it works, the slowest of them is named") {
+  const Settings settings = settings_with_outputs();
+  RunRecord record = record_of(12, 130);
+  record.sinks = {
+      {.name = "frames", .frames = 8, .total_ms = 160},
+      {.name = "video", .frames = 8, .total_ms = 1152},
+      {.name = "preview", .frames = 8, .left_out = 90, .total_ms = 2000}};  // keeps nobody waiting
+  const std::string slow = way_out(with_shed_frames(), settings, record);
+  CHECK_THAT(slow, Catch::StartsWith("the output 'out.mp4' (144 ms a frame; the fit 12 ms) did not keep up"));
+  CHECK_THAT(slow, !Catch::Contains("--preset"));
+  record.frames = record_of(60, 20).frames;
+  CHECK_THAT(way_out(with_shed_frames(), settings, record),
+             Catch::StartsWith("the fit did not keep up with the camera; give --preset realtime"));
+  CHECK(way_out({}, settings, record).empty());
+}
+
+}  // namespace
+}  // namespace hdrcam
