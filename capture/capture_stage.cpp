@@ -189,6 +189,7 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   counters_.repeated_cookies += matched.cookie_repeated;
   counters_.unreported += !buffer.exposure;
   counters_.strobed += matched.strobed;
+  counters_.triggered += matched.pulse.has_value();
   counters_.pulses_forgotten += matched.pulse_forgotten;
   counters_.controls_late += buffer.control_late;
   lost_since_emitted_ += matched.lost_before + matched.left_out_before;

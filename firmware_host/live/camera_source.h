@@ -54,7 +54,7 @@ class CameraSource : public FrameSource, public RunControl {
   // How the cycle followed the light; "" where it does not. The session has ended.
   std::string light_account() const;
   // The account of the trigger line so far, as a sentence; "" without one.
-  std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
+  std::string trigger_account() const { return lines_->sentence(session_->counters().camera); }
   // That the strobe line has no pulse for any frame so far; "" where it has, or there is none.
   std::string strobe_account() const;
   // The recordings that a person started, each with its frames so far, a line each; "" where none has any.

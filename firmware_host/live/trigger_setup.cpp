@@ -1,7 +1,10 @@
 #include "firmware_host/live/trigger_setup.h"
 
+#include <algorithm>
+
 #include "firmware_host/live/capture_setup.h"
 #include "hal/clock.h"
+#include "hal/core/counted.h"
 #include "hal/real/trigger_line_gpiod.h"
 #include "hal/sim/simulated_trigger_line.h"
 
@@ -43,6 +46,14 @@ Result<void> check_trigger(const Settings::Sync& sync, const std::string& camera
                     "drives the sensor or hears from it: choose another for one of them",
                     sync.trigger_line, sync.line));
   return {};
+}
+
+// Frames at the time of no pulse; in external trigger mode also those whose pictures contradict the width of
+// the pulse at their time.
+std::uint64_t off_pulses(const CaptureCounters& camera, TriggerMode mode) {
+  const std::uint64_t found = camera.triggered + camera.pulses_forgotten;
+  const std::uint64_t without = camera.captured - std::min(camera.captured, found);
+  return mode == TriggerMode::PulseWidth ? without + camera.relabelled + camera.contradicted : without;
 }
 
 }  // namespace
@@ -100,10 +111,15 @@ std::string CameraLines::note() const {
   return fmt::format("trigger line '{}': {}", sync_.trigger_line, thread_->realtime().error().message);
 }
 
-std::string CameraLines::sentence(const TriggerCounters& counters) const {
+std::string CameraLines::sentence(const CaptureCounters& camera) const {
   if (!trigger_) return "";
-  return sentence_of(counters, sync_.trigger_line, trigger_->options(), strobe_ != nullptr) +
-         (realtime() ? "" : "; not scheduled in real time");
+  std::string text = sentence_of(camera.trigger, sync_.trigger_line, trigger_->options(), strobe_ != nullptr);
+  if (!realtime()) text += "; not scheduled in real time";
+  if (const std::uint64_t odd = off_pulses(camera, sync_.trigger); 10 * odd > camera.captured)
+    text += fmt::format(
+        "; {} of {} do not fit the pulses: check --timestamp, and that the sensor waits for its trigger", odd,
+        counted(camera.captured, "frame"));
+  return text;
 }
 
 std::string CameraLines::strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const {

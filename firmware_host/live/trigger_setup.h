@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "capture/trigger_ledger.h"
+#include "capture/captured_frame.h"
 #include "capture/trigger_thread.h"
 #include "firmware_host/settings/settings.h"
 #include "hal/real/last_act.h"
@@ -34,8 +34,9 @@ class CameraLines {
   Trigger* trigger() { return trigger_.get(); }
   // What the user should know at the start; "" for nothing.
   std::string note() const;
-  // The sentence of the end (trigger_ledger.h); "" without a trigger.
-  std::string sentence(const TriggerCounters& counters) const;
+  // The sentence of the end (trigger_ledger.h), with what to check where many frames do not fit the pulses;
+  // "" without a trigger.
+  std::string sentence(const CaptureCounters& camera) const;
   // What to check where the strobe line has no pulse for any of these frames; "" where it has, or there is
   // none.
   std::string strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const;

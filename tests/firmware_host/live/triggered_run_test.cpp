@@ -72,11 +72,28 @@ TEST_CASE(
     CHECK(value(record.counters, "trigger.pulses") == static_cast<double>(trigger.pulses));
     CHECK(value(record.counters, "trigger.edge_us_p99") == Approx(to_seconds(trigger.edge_p99) * 1e6));
     REQUIRE(record.notes.size() == 2);
-    CHECK_THAT(record.notes[1],
-               Contains("trigger 'sim'") && Contains(" pulses, ") && Contains(" answered, "));
+    CHECK_THAT(record.notes[1], Contains("trigger 'sim'") && Contains(" pulses, ") &&
+                                    Contains(" answered, ") && !Contains("--timestamp"));
     const bool says = record.notes[1].find("not scheduled in real time") != std::string::npos;
     CHECK(says == (source->warnings().size() == 1));
   }
+}
+
+TEST_CASE("where frames do not come at the times of their pulses, the account says what to check") {
+  Settings settings = triggered("pulse-width");
+  settings.schedule.shutter =
+      "6ms,9ms,12ms";  // a stamp of the begin, taken for that of the end, is far from it
+  settings.camera.timestamp = StampMeaning::ExposureEnd;
+  const std::atomic<bool> stop{false};
+  const auto source = value_of(CameraSource::open(settings, {.frames = 45}, posix_storage(), stop));
+  require_done(source->start());
+  while (value_of(source->next()) != nullptr) {
+  }
+  RunRecord record;
+  require_done(source->finish(record));
+  REQUIRE(record.notes.size() == 2);
+  CHECK_THAT(record.notes[1], Contains("of 45 frames do not fit the pulses: check --timestamp"));
+  CHECK(value(record.counters, "camera.triggered") < 45);
 }
 
 TEST_CASE("record drives a simulated camera by its trigger line and ends with the account of the pulses") {
