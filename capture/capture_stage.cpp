@@ -52,7 +52,7 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       sensor_(known_sensor(camera.capabilities().model)),
       black_(options.black_level, camera.capabilities(), sensor_, codes_.linear),
       photometer_(black_.first_response()),
-      requests_(camera),
+      requests_(camera, options.clock),
       trigger_(options.trigger) {
   collect_warnings();
 }

@@ -36,6 +36,9 @@ struct CaptureOptions {
   // Begins each frame where the sensor waits for it; null, or outlives the stage. Something drives it
   // (trigger_thread.h); the stage starts and stops it.
   Trigger* trigger = nullptr;
+  // Of the camera's timestamps: tells frames that were lost while no request was queued, whose controls stay
+  // as they are, from others. Null: all requests count as queued in time; or outlives the stage.
+  Clock* clock = nullptr;
 };
 
 class CaptureStage {

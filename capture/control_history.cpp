@@ -5,17 +5,31 @@
 namespace hdrcam {
 
 void ControlHistory::sent(const ExposureRequest& controls, int slot) {
-  requests_[controls.cookie % kRequests] = {controls, slot, false};
+  requests_[controls.cookie % kRequests] = {controls, slot, false, std::nullopt};
 }
 
-bool ControlHistory::completed(std::uint64_t frame, std::uint64_t cookie, bool late) {
+void ControlHistory::queued(std::uint64_t cookie, Instant at) {
+  if (auto& request = requests_[cookie % kRequests]; request && request->controls.cookie == cookie)
+    request->queued = at;
+}
+
+std::optional<Instant> ControlHistory::queued_at(std::uint64_t cookie) const {
+  const auto& request = requests_[cookie % kRequests];
+  return request && request->controls.cookie == cookie ? request->queued : std::nullopt;
+}
+
+bool ControlHistory::completed(std::uint64_t frame, std::uint64_t cookie, bool late,
+                               std::uint64_t begun_since) {
   const bool repeated = highest_cookie_ && cookie <= *highest_cookie_;
   highest_cookie_ = repeated ? *highest_cookie_ : cookie;
   if (auto& request = requests_[cookie % kRequests]; request && request->controls.cookie == cookie)
     request->late = late;
   const std::uint64_t due = std::clamp<std::uint64_t>(frame - newest_frame_, 1, kFrames);
+  const std::optional<std::uint64_t> before = cookies_[newest_frame_ % kFrames];
   for (std::uint64_t back = 0; back < due; ++back)
-    cookies_[(frame - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
+    cookies_[(frame - back) % kFrames] = repeated             ? std::nullopt
+                                         : back < begun_since ? std::optional(cookie)
+                                                              : before;
   newest_frame_ = frame;
   return !repeated;
 }

@@ -1,6 +1,7 @@
 // Which controls were written when each frame began. A camera writes those of a request when the frame that
-// completes it begins (hal/camera.h); while frames are lost the request stays due. What is too old, or was
-// completed by two frames, is unknown rather than guessed. Thread-bound; bounded state, no allocation.
+// completes it begins (hal/camera.h); while frames are lost the request stays due. Frames that are lost
+// because no request is queued keep the controls before it. What is too old, or was completed by two frames,
+// is unknown rather than guessed. Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <optional>
 
 #include "hal/camera.h"
+#include "hal/core/instant.h"
 
 namespace hdrcam {
 
@@ -20,13 +22,20 @@ class ControlHistory {
     ExposureRequest controls;  // as they were queued
     int slot = -1;             // of the schedule, though a part of it may be held back
     bool late = false;         // the controls were written late
+    std::optional<Instant> queued{};
   };
 
-  // A request was queued, with the next cookie.
+  // A request was made, with the next cookie.
   void sent(const ExposureRequest& controls, int slot);
-  // The next frame completed the request with this cookie; `late`: whose controls were written late. False
-  // where that request was completed before.
-  bool completed(std::uint64_t frame, std::uint64_t cookie, bool late);
+  // When the camera took it; without this it counts as queued before all frames that were lost before its
+  // own.
+  void queued(std::uint64_t cookie, Instant at);
+  // None where that is unknown.
+  std::optional<Instant> queued_at(std::uint64_t cookie) const;
+  // The next frame completed the request with this cookie; `late`: whose controls were written late;
+  // `begun_since`: so many frames, this one included, began since it was queued. False where that request was
+  // completed before.
+  bool completed(std::uint64_t frame, std::uint64_t cookie, bool late, std::uint64_t begun_since = kFrames);
 
   std::uint64_t newest_frame() const { return newest_frame_; }
   // The request whose controls were written when that frame began, or will be if no frame is lost until then;

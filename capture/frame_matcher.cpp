@@ -68,6 +68,16 @@ int FrameMatcher::count_frames(const CapturedBuffer& buffer, std::int64_t strobe
   return frames;
 }
 
+// Frames up to this one that began while its request was queued. A program that was held up queues none, and
+// the sensor goes on with what was written last.
+std::uint64_t FrameMatcher::begun_since_queued(const CapturedBuffer& buffer) const {
+  constexpr double kMost = ControlHistory::kFrames;
+  const auto queued = controls_.queued_at(buffer.cookie);
+  if (!queued) return ControlHistory::kFrames;
+  const double before = interval_.frames_in(buffer.timestamp - *queued);
+  return 1 + static_cast<std::uint64_t>(std::clamp(before, 0.0, kMost));
+}
+
 // The driver's report for this frame. A report without gain takes the gain from the prediction, or from a
 // schedule that has only one gain.
 std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buffer,
@@ -121,7 +131,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   frame.index = index_;
   match_trigger(buffer, frame);
 
-  frame.cookie_repeated = !controls_.completed(index_, buffer.cookie, buffer.control_late);
+  frame.cookie_repeated =
+      !controls_.completed(index_, buffer.cookie, buffer.control_late, begun_since_queued(buffer));
   const auto predicted = prediction_.predict(controls_);
   const auto reported = reported_in(buffer, predicted);
   if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.claims.push_back(*reported);

@@ -67,6 +67,8 @@ class FrameMatcher {
   // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster
   // control is held back for later requests (delayed_controls.h), so that both act on the same frame.
   ExposureRequest next_request();
+  // When the camera took that request; where nobody says, a request counts as queued in time.
+  void queued(const ExposureRequest& request, Instant at) { controls_.queued(request.cookie, at); }
   // Makes later requests follow another schedule.
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
 
@@ -97,6 +99,7 @@ class FrameMatcher {
   int frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
                    int triggers) const;
   int count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers);
+  std::uint64_t begun_since_queued(const CapturedBuffer& buffer) const;
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;

@@ -17,6 +17,7 @@ Result<bool> RequestQueue::top_up(FrameMatcher& matcher) {
     const Result<void> queued = camera_.queue(*waiting_);
     if (!queued && queued.error().code == ErrorCode::Busy) return false;
     if (!queued) return queued.error();
+    if (clock_ != nullptr) matcher.queued(*waiting_, clock_->now());
     waiting_.reset();
     ++queued_;
   }

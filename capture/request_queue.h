@@ -6,13 +6,15 @@
 
 #include "capture/frame_matcher.h"
 #include "hal/camera.h"
+#include "hal/clock.h"
 
 namespace hdrcam {
 
 class RequestQueue {
  public:
-  // The camera outlives it.
-  explicit RequestQueue(Camera& camera) : camera_(camera) {}
+  // Camera and clock outlive it. clock: by which the matcher learns when requests are queued; null: it does
+  // not.
+  explicit RequestQueue(Camera& camera, Clock* clock = nullptr) : camera_(camera), clock_(clock) {}
 
   // The camera has just started: nothing is queued. Queues up to `most` requests of the matcher; from now on
   // as many as the device took, which may have fewer buffers. Errors: the camera's own.
@@ -25,6 +27,7 @@ class RequestQueue {
 
  private:
   Camera& camera_;
+  Clock* clock_;
   std::optional<ExposureRequest> waiting_;  // made, but the camera had no free buffer yet
   int queued_ = 0, depth_ = 0;              // queued requests now, and at most
 };

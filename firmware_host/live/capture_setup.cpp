@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "hal/clock.h"
 #include "hal/core/parse_number.h"
 #include "hal/jpeg_decoder.h"
 #include "hal/real/enumerate.h"
@@ -125,6 +126,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
     options.timestamp_mark = settings.camera.timestamp == StampMeaning::ExposureBegin
                                  ? TimestampMark::ExposureBegin
                                  : TimestampMark::ExposureEnd;
+  options.clock = &posix_clock();
   options.unpack.yuv_range = settings.camera.yuv_range;
   options.unpack.decode_jpeg = jpeg_decoder();
   if (!settings.sync.line.empty()) options.strobe = settings.sync.strobe;

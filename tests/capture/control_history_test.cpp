@@ -37,6 +37,24 @@ TEST_CASE("a request is due from the frame after the one before until the frame 
   CHECK_FALSE(camera.history.written_at(4)->late);
 }
 
+TEST_CASE("frames that were lost before their request was queued keep the controls before it", "[capture]") {
+  Camera camera;
+  camera.queue(8);
+  CHECK_FALSE(camera.history.queued_at(2).has_value());
+  camera.history.queued(2, Instant::from_seconds(5));
+  CHECK(camera.history.queued_at(2) == Instant::from_seconds(5));
+  CHECK_FALSE(camera.history.queued_at(2 + ControlHistory::kRequests).has_value());
+  CHECK(camera.history.completed(0, 0, false));
+  CHECK(camera.history.completed(1, 1, false));
+  CHECK(camera.history.completed(6, 2, false, 2));  // 2 to 5 were lost, it was queued before 5
+  CHECK(camera.history.completed(8, 3, false));     // 7 was lost, it had been queued for long
+  const int want[] = {0, 1, 1, 1, 1, 2, 2, 3, 3};
+  for (int frame = 0; frame < 9; ++frame) CHECK(camera.written_at(frame) == want[frame]);
+  CHECK(camera.history.completed(100, 4, false, 1));  // more were lost than are kept
+  CHECK(camera.written_at(99) == 3);
+  CHECK(camera.written_at(100) == 4);
+}
+
 TEST_CASE("frames to come show the queued requests in turn, and nothing that is not queued yet",
           "[capture]") {
   Camera camera;

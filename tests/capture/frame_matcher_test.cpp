@@ -195,6 +195,25 @@ TEST_CASE("a request stays due while frames are lost", "[capture]") {
     CHECK(stream.step().evidence.claims[0].log_value() == Approx(stream.wanted(cookie)));
 }
 
+TEST_CASE("a request that was queued after frames were lost did not act on them", "[capture]") {
+  constexpr int kDelay = 2;
+  for (const bool held_up : {true, false}) {
+    Stream stream(with_delays(kDelay, kDelay));
+    for (int i = 0; i < 9; ++i) stream.step();  // request 8 was due when frame 8 began
+    const CapturedBuffer& after = stream.next(20, 20);
+    const ExposureRequest& its = stream.requests()[9];
+    // Just before its frame, or long before those that were lost.
+    stream.matcher().queued(its, after.timestamp + -part_of(kAgreed, held_up ? 0.5 : 27.5));
+    CAPTURE(held_up);
+    const MatchedFrame frame = stream.match();
+    CHECK(frame.index == 28);
+    CHECK(frame.evidence.claims[0].log_value() == Approx(stream.wanted(held_up ? 8 : 9)));
+    const std::int64_t shown[] = {held_up ? 8 : 9, 9, 10, 11};
+    for (const std::int64_t cookie : shown)
+      CHECK(stream.step().evidence.claims[0].log_value() == Approx(stream.wanted(cookie)));
+  }
+}
+
 TEST_CASE("of two controls the faster is held back, so that one frame shows both", "[capture]") {
   constexpr Exposure kGains[] = {{1ms, 1}, {4ms, 2}, {16ms, 8}};
   for (const ControlDelays delays : {ControlDelays{2, 1}, ControlDelays{1, 3}, ControlDelays{0, 2}}) {
