@@ -239,6 +239,8 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   }
   frame.proof = proof_.judge(matched.evidence, picture_, photometer_);
   if (frame.proof.unique) matcher_->learn(*frame.proof.unique);
+  counters_.strobe_misfits +=
+      matched.evidence.strobe_width && (frame.proof.strobe_refuses || !frame.proof.trusted());
   counters_.relocks = static_cast<std::uint64_t>(matcher_->relocks());
 
   const ExposureClaim& label = frame.proof.label;

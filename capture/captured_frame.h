@@ -24,6 +24,7 @@ struct CaptureCounters {
   std::uint64_t unreported = 0;  // frames whose exposure the driver did not report
   std::uint64_t repeated_cookies = 0;
   std::uint64_t strobed = 0;           // frames matched with a pulse of the strobe line
+  std::uint64_t strobe_misfits = 0;    // of them: its width refuses the stated exposure, or none is trusted
   std::uint64_t triggered = 0;         // frames matched with a pulse of the trigger line
   std::uint64_t pulses_forgotten = 0;  // frames taken so late that their strobe or trigger pulse was not kept
   std::uint64_t controls_late = 0;     // frames whose exposure was written late

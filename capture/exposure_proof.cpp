@@ -274,6 +274,8 @@ Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricS
     frame.ratio_from[age - 1] = photometer.ratio(back(age).picture, picture);
   gather_values(evidence, frame);
   frame.judgement = weigh(evidence, explain());
+  frame.judgement.strobe_refuses = evidence.strobe_width && !evidence.claims.empty() &&
+                                   !strobe_allows(*evidence.strobe_width, evidence.claims[0].exposure.time);
   retire_earlier_cycles(frame.judgement);
   return frame.judgement;
 }

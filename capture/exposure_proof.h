@@ -62,6 +62,7 @@ struct Judgement {
   bool relabelled = false;       // by the pictures, against all claims
   double within_ev = 0;          // remaining uncertainty of a proved label, stops
   std::optional<double> unique;  // ln E from pictures and strobe alone, where they are unanimous
+  bool strobe_refuses = false;   // the width of the strobe's pulse: the best claim
 
   bool trusted() const {
     return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;

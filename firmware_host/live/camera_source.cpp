@@ -128,8 +128,7 @@ std::string CameraSource::light_account() const {
 }
 
 std::string CameraSource::strobe_account() const {
-  const CaptureCounters camera = session_->counters().camera;
-  return lines_->strobe_sentence(camera.captured, camera.strobed);
+  return lines_->strobe_sentence(session_->counters().camera);
 }
 
 std::string CameraSource::takes_account() const {

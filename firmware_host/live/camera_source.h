@@ -55,7 +55,8 @@ class CameraSource : public FrameSource, public RunControl {
   std::string light_account() const;
   // The account of the trigger line so far, as a sentence; "" without one.
   std::string trigger_account() const { return lines_->sentence(session_->counters().camera); }
-  // That the strobe line has no pulse for any frame so far; "" where it has, or there is none.
+  // That the strobe line has no pulse for any frame so far, or for many one of another width; "" where all
+  // fit, or there is none.
   std::string strobe_account() const;
   // The recordings that a person started, each with its frames so far, a line each; "" where none has any.
   std::string takes_account() const;

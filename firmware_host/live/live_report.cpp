@@ -144,6 +144,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.unreported", camera.unreported},
       {"camera.repeated_cookies", camera.repeated_cookies},
       {"camera.strobed", camera.strobed},
+      {"camera.strobe_misfits", camera.strobe_misfits},
       {"camera.triggered", camera.triggered},
       {"camera.pulses_forgotten", camera.pulses_forgotten},
       {"camera.requests_late", camera.requests_late},

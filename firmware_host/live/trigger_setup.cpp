@@ -122,8 +122,15 @@ std::string CameraLines::sentence(const CaptureCounters& camera) const {
   return text;
 }
 
-std::string CameraLines::strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const {
-  if (!strobe_ || captured == 0 || strobed > 0) return "";
+std::string CameraLines::strobe_sentence(const CaptureCounters& camera) const {
+  constexpr std::uint64_t kSome = 8;  // more than a beginning costs
+  if (!strobe_ || camera.captured == 0) return "";
+  if (camera.strobe_misfits >= kSome && 10 * camera.strobe_misfits > camera.captured)
+    return fmt::format(
+        "strobe line '{}': the pulses of {} of {} are not as long as their exposures; check --strobe-delay, "
+        "--timestamp and --sync-active-low, and that the camera does these exposures",
+        sync_.line, camera.strobe_misfits, counted(camera.captured, "frame"));
+  if (camera.strobed > 0) return "";
   return fmt::format(
       "strobe line '{}': no frame has a pulse; check its wiring, --sync-active-low and --strobe-delay",
       sync_.line);

@@ -37,9 +37,9 @@ class CameraLines {
   // The sentence of the end (trigger_ledger.h), with what to check where many frames do not fit the pulses;
   // "" without a trigger.
   std::string sentence(const CaptureCounters& camera) const;
-  // What to check where the strobe line has no pulse for any of these frames; "" where it has, or there is
-  // none.
-  std::string strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const;
+  // What to check where the strobe line has no pulse for any of these frames, or for many one of another
+  // width; "" where all fit, or there is none.
+  std::string strobe_sentence(const CaptureCounters& camera) const;
   bool realtime() const { return thread_ && thread_->realtime().ok(); }
 
  private:

@@ -281,6 +281,32 @@ TEST_CASE("a strobe line that has a pulse for no frame is told of, with what to 
   }
 }
 
+TEST_CASE("a strobe line whose pulses are those of other frames is told of, with what to check") {
+  for (const std::string delay :
+       {"0us", "-20ms"}) {  // at the pulses of 50 frames a second, and one frame off
+    INFO(delay);
+    Settings settings;
+    settings.camera.id = "sim:still?size=64x48&rays=1&fps=50";
+    settings.camera.format = "RGB24";
+    settings.schedule.shutter = "1ms,4ms,12ms";
+    settings.sync.line = "sim";
+    settings.sync.strobe = StrobePulse::SpansExposure;
+    settings.sync.strobe_delay = delay;
+    const std::atomic<bool> stop{false};
+    const auto source = value_of(CameraSource::open(settings, {.frames = 40}, posix_storage(), stop));
+    require_done(source->start());
+    while (value_of(source->next()) != nullptr) continue;
+    RunRecord record;
+    require_done(source->finish(record));
+    const bool fits = delay == "0us";
+    REQUIRE(record.notes.size() == (fits ? 1 : 2));
+    CHECK((source->session().counters().camera.strobe_misfits < 8) == fits);
+    if (!fits)
+      CHECK_THAT(record.notes[1], Catch::Contains("of 40 frames are not as long as their exposures") &&
+                                      Catch::Contains("--strobe-delay"));
+  }
+}
+
 TEST_CASE("pictures of another size than the one asked for are told of") {
   Settings settings = settings_of("unused");
   settings.camera.format = "RGGB8";  // whose sides are even
