@@ -19,17 +19,20 @@ std::optional<Instant> ControlHistory::queued_at(std::uint64_t cookie) const {
 }
 
 bool ControlHistory::completed(std::uint64_t frame, std::uint64_t cookie, bool late,
-                               std::uint64_t begun_since) {
+                               const BegunSince& begun) {
   const bool repeated = highest_cookie_ && cookie <= *highest_cookie_;
   highest_cookie_ = repeated ? *highest_cookie_ : cookie;
   if (auto& request = requests_[cookie % kRequests]; request && request->controls.cookie == cookie)
     request->late = late;
   const std::uint64_t due = std::clamp<std::uint64_t>(frame - newest_frame_, 1, kFrames);
   const std::optional<std::uint64_t> before = cookies_[newest_frame_ % kFrames];
-  for (std::uint64_t back = 0; back < due; ++back)
-    cookies_[(frame - back) % kFrames] = repeated             ? std::nullopt
-                                         : back < begun_since ? std::optional(cookie)
-                                                              : before;
+  for (std::uint64_t back = 0; back < due; ++back) {
+    std::optional<std::uint64_t>& written = cookies_[(frame - back) % kFrames];
+    written.reset();
+    if (repeated) continue;
+    if (back < begun.surely) written = cookie;
+    if (back >= begun.perhaps) written = before;
+  }
   newest_frame_ = frame;
   return !repeated;
 }

@@ -32,10 +32,17 @@ class ControlHistory {
   void queued(std::uint64_t cookie, Instant at);
   // None where that is unknown.
   std::optional<Instant> queued_at(std::uint64_t cookie) const;
-  // The next frame completed the request with this cookie; `late`: whose controls were written late;
-  // `begun_since`: so many frames, this one included, began since it was queued. False where that request was
-  // completed before.
-  bool completed(std::uint64_t frame, std::uint64_t cookie, bool late, std::uint64_t begun_since = kFrames);
+  // How many frames, the one that completes a request included, began since the request was queued: at least,
+  // and at most.
+  struct BegunSince {
+    std::uint64_t surely = kFrames, perhaps = kFrames;
+  };
+  // The next frame completed the request with this cookie; `late`: whose controls were written late. False
+  // where that request was completed before.
+  bool completed(std::uint64_t frame, std::uint64_t cookie, bool late, const BegunSince& begun);
+  bool completed(std::uint64_t frame, std::uint64_t cookie, bool late) {
+    return completed(frame, cookie, late, {});
+  }
 
   std::uint64_t newest_frame() const { return newest_frame_; }
   // The request whose controls were written when that frame began, or will be if no frame is lost until then;

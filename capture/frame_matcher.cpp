@@ -68,14 +68,17 @@ int FrameMatcher::count_frames(const CapturedBuffer& buffer, std::int64_t strobe
   return frames;
 }
 
-// Frames up to this one that began while its request was queued. A program that was held up queues none, and
-// the sensor goes on with what was written last.
-std::uint64_t FrameMatcher::begun_since_queued(const CapturedBuffer& buffer) const {
-  constexpr double kMost = ControlHistory::kFrames;
+// A program that was held up queues no requests, and the sensor goes on with what was written last.
+ControlHistory::BegunSince FrameMatcher::begun_since_queued(const CapturedBuffer& buffer) const {
+  constexpr double kUnsure = 0.4;  // of an interval, between the begin of a frame and its timestamp
   const auto queued = controls_.queued_at(buffer.cookie);
-  if (!queued) return ControlHistory::kFrames;
+  if (!queued) return {};
   const double before = interval_.frames_in(buffer.timestamp - *queued);
-  return 1 + static_cast<std::uint64_t>(std::clamp(before, 0.0, kMost));
+  const auto begun = [](double frames) {
+    constexpr double kMost = ControlHistory::kFrames;
+    return 1 + static_cast<std::uint64_t>(std::clamp(frames, 0.0, kMost));
+  };
+  return {begun(before - kUnsure), begun(before + kUnsure)};
 }
 
 // The driver's report for this frame. A report without gain takes the gain from the prediction, or from a

@@ -99,7 +99,7 @@ class FrameMatcher {
   int frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
                    int triggers) const;
   int count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers);
-  std::uint64_t begun_since_queued(const CapturedBuffer& buffer) const;
+  ControlHistory::BegunSince begun_since_queued(const CapturedBuffer& buffer) const;
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;

@@ -154,9 +154,10 @@ Texture texture_of(const Image<float>& picture, const Area& area, float darkest)
 
 constexpr double kEnoughSeen = 0.2;  // of an area
 
-bool much_finer(const Texture& a, const Texture& than) {
-  constexpr double kLeft = 0.85;
-  return than.fine_x < kLeft * a.fine_x || than.fine_y < kLeft * a.fine_y;
+// Whether fine texture is lost that coarse texture does not lose, along an axis.
+bool loses_fine(double fine, double coarse, double fine_left, double coarse_left) {
+  constexpr double kLeft = 0.92;
+  return fine_left * coarse < kLeft * fine * coarse_left;
 }
 
 // How far the fine texture of one is from that of the other.
@@ -190,11 +191,16 @@ class BlurSearch {
     constexpr int kRounds = 2;  // the texture along an axis depends on the blur across it, too
     const Image<float> sharp = blurred({});
     const Texture before = texture_of(sharp);
-    if (std::min(before.seen, wanted_.seen) < kEnoughSeen || !much_finer(before, wanted_)) return {};
+    if (std::min(before.seen, wanted_.seen) < kEnoughSeen) return {};
+    const bool along_x = loses_fine(before.fine_x, before.coarse_x, wanted_.fine_x, wanted_.coarse_x),
+               along_y = loses_fine(before.fine_y, before.coarse_y, wanted_.fine_y, wanted_.coarse_y);
+    if (!along_x && !along_y) return {};
     BlurLengths found;
     for (int round = 0; round < kRounds; ++round) {
-      found.x = settled(wanted_.fine_x, &Texture::fine_x, [&](float x) { return BlurLengths{x, found.y}; });
-      found.y = settled(wanted_.fine_y, &Texture::fine_y, [&](float y) { return BlurLengths{found.x, y}; });
+      if (along_x)
+        found.x = settled(wanted_.fine_x, &Texture::fine_x, [&](float x) { return BlurLengths{x, found.y}; });
+      if (along_y)
+        found.y = settled(wanted_.fine_y, &Texture::fine_y, [&](float y) { return BlurLengths{found.x, y}; });
     }
     return is_blur(found, sharp) ? found : BlurLengths{};
   }

@@ -46,13 +46,18 @@ TEST_CASE("frames that were lost before their request was queued keep the contro
   CHECK_FALSE(camera.history.queued_at(2 + ControlHistory::kRequests).has_value());
   CHECK(camera.history.completed(0, 0, false));
   CHECK(camera.history.completed(1, 1, false));
-  CHECK(camera.history.completed(6, 2, false, 2));  // 2 to 5 were lost, it was queued before 5
-  CHECK(camera.history.completed(8, 3, false));     // 7 was lost, it had been queued for long
+  CHECK(camera.history.completed(6, 2, false, {2, 2}));  // 2 to 5 were lost, it was queued before 5
+  CHECK(camera.history.completed(8, 3, false));          // 7 was lost, it had been queued for long
   const int want[] = {0, 1, 1, 1, 1, 2, 2, 3, 3};
   for (int frame = 0; frame < 9; ++frame) CHECK(camera.written_at(frame) == want[frame]);
-  CHECK(camera.history.completed(100, 4, false, 1));  // more were lost than are kept
+  CHECK(camera.history.completed(100, 4, false, {1, 1}));  // more were lost than are kept
   CHECK(camera.written_at(99) == 3);
   CHECK(camera.written_at(100) == 4);
+  CHECK(camera.history.completed(104, 5, false, {1, 3}));  // it was queued about when 102 or 103 began
+  CHECK(camera.written_at(101) == 4);
+  CHECK(camera.written_at(102) == -1);
+  CHECK(camera.written_at(103) == -1);
+  CHECK(camera.written_at(104) == 5);
 }
 
 TEST_CASE("frames to come show the queued requests in turn, and nothing that is not queued yet",

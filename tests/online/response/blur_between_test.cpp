@@ -95,6 +95,18 @@ TEST_CASE("fine texture that only the shorter exposure has is no blur") {
   CHECK_FALSE(blur_between(shorter.codes, longer.codes).any());
 }
 
+TEST_CASE("where motion blurs a part of the scene alone there is no blur between the frames") {
+  const Response camera = Response::gamma(1.8f);
+  ExposedFrame longer = recorded(2, 1, false, camera);
+  const ExposedFrame moving = recorded(2, 5, false, camera);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kRows; ++y) {
+      const int from = kCols * 11 / 20;
+      std::copy(moving.codes.row(c, y) + from, moving.codes.row(c, y) + kCols, longer.codes.row(c, y) + from);
+    }
+  CHECK_FALSE(blur_between(sharp(0.5f).codes, longer.codes).any());
+}
+
 TEST_CASE("a channel is blurred in light, and what lies beyond an edge is as the edge") {
   Image<float> codes(3, 8, 40), blurred;
   for (int y = 0; y < 8; ++y)
