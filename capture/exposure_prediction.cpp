@@ -55,6 +55,11 @@ void ExposurePrediction::learn(const ControlHistory& history, double log_value) 
       observations_.begin(), observations_.end(),
       [&](const Observation& observation) { return !same_exposure(observation.log_value, log_value); });
   if (observation_count_ < kObservations || !various || explains(history, shift_)) return;
+  // an observation so old that its controls are forgotten contradicts nothing
+  const bool remembered = std::all_of(
+      observations_.begin(), observations_.end(),
+      [&](const Observation& observation) { return predict(history, observation.frame, shift_); });
+  if (!remembered) return;
   for (int distance = 1; distance <= kMaxShift; ++distance) {
     for (const int shift : {shift_ - distance, shift_ + distance}) {
       if (std::abs(shift) > kMaxShift || !explains(history, shift)) continue;

@@ -319,6 +319,36 @@ TEST_CASE("lost frames are counted, and the frame after them says so", "[capture
   CHECK(after.error().code == ErrorCode::Interrupted);
 }
 
+TEST_CASE("after the program was held up, labels are right also where pictures are too dark to tell",
+          "[capture]") {
+  constexpr Exposure kShort[] = {{10us, 1}, {40us, 1}, {160us, 1}};
+  VirtualClock clock;
+  const auto scene = simulation_of("night?size=64x48&fps=60&reports=no&delay=3,3&with=control-delay");
+  REQUIRE(scene.ok());
+  SimulatedCamera camera(scene.value(), SimTime(clock), 1);
+  auto stage = CaptureStage::open(
+      camera, nullptr, kShort, Mains::Off,
+      {.mode = {.format = PixelFormat::Rgb24}, .delays = ControlDelays{3, 3}, .clock = &clock});
+  REQUIRE(stage.ok());
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  int wrong = 0, trusted = 0;
+  for (int i = 0; i < 200; ++i) {
+    if (i % 40 == 20) clock.sleep_until(clock.now() + 400ms + i % 3 * 17ms);
+    REQUIRE((*stage)->next(frame).ok());
+    const FrameFacts& facts = frame.raw.facts;
+    const auto truth = SimBench(camera).true_exposure(facts.sequence);
+    REQUIRE(truth.has_value());
+    if (!frame.proof.trusted()) continue;
+    ++trusted;
+    wrong += std::abs(facts.exposure_s - to_seconds(truth->exposure)) > 1e-9;
+  }
+  CHECK((*stage)->counters().lost_by_camera > 20);
+  CHECK((*stage)->counters().relocks == 0);
+  CHECK(wrong == 0);
+  CHECK(trusted >= 170);
+}
+
 TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
   constexpr Exposure kBrighter[] = {{2ms, 1}, {8ms, 1}, {30ms, 1}};
   MisbehavingCamera sensor({.pan_px = 1}, {});

@@ -48,5 +48,21 @@ TEST_CASE("a prediction is doubtful where either of its controls was written lat
     CHECK(prediction.doubtful(history_of(8, late)) == (late == 5 || late == 6));
 }
 
+TEST_CASE("what pictures told so long ago that its controls are forgotten shifts no prediction",
+          "[capture]") {
+  constexpr int kDelay = 3;
+  const auto exposure_of = [](int request) { return Exposure{(1 << request % 3) * 1ms, 1}; };
+  ControlHistory history;
+  ExposurePrediction prediction(ControlDelays{kDelay, kDelay});
+  for (int i = 0; i < 60; ++i) {
+    const auto cookie = static_cast<std::uint64_t>(i);
+    history.sent({cookie, exposure_of(i).time, 1}, i % 3);
+    (void)history.completed(cookie, cookie, false);
+    if (i == 10 || i == 11 || i == 41) prediction.learn(history, log_product(exposure_of(i - kDelay)));
+  }
+  CHECK(prediction.shift() == 0);
+  CHECK(prediction.relocks() == 0);
+}
+
 }  // namespace
 }  // namespace hdrcam
