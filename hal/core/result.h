@@ -76,7 +76,8 @@ class [[nodiscard]] Result<void> {
 
 }  // namespace hdrcam
 
-// TRY(expression): the value of a Result, or returns its Error from the function.
+// TRY(expression): the value of a Result, or returns its Error from the function. Not within the braces of an
+// aggregate behind a member that owns something, nor within new T(..): what is made before is never freed.
 #define TRY(expression)                                                 \
   ({                                                                    \
     auto try_result_ = (expression);                                    \

@@ -14,6 +14,7 @@ extern "C" {
 #include <iterator>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "hal/core/parse_number.h"
 #include "hal/footage/exif_exposure.h"
@@ -146,7 +147,8 @@ Error VideoFile::refused(ErrorCode code, const std::string& why) const {
 
 Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std::string& path) {
   libav::be_quiet();
-  std::unique_ptr<VideoFile> file(new VideoFile(TRY(storage.open(path)), path));
+  auto stream = TRY(storage.open(path));
+  std::unique_ptr<VideoFile> file(new VideoFile(std::move(stream), path));
   AVFormatContext* demuxer = avformat_alloc_context();
   demuxer->pb = file->stream_.context();
   demuxer->io_open = open_nothing;

@@ -147,8 +147,10 @@ class ClipScoring {
     TRY(unless_stopped());
     const Image<float> g = TRY(truth_.radiance(frame));
     const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
-    PreviousFrame now{frame, comparable_pair(g, e.radiance, scores_.shared), TRY(truth_.moving_mask(frame)),
-                      TRY(truth_.motion(frame))};
+    PreviousFrame now{.frame = frame, .pair = {}, .moving = {}, .motion = {}};
+    now.pair = comparable_pair(g, e.radiance, scores_.shared);
+    now.moving = TRY(truth_.moving_mask(frame));
+    now.motion = TRY(truth_.motion(frame));
     FrameScores& scored = scores_.frames.emplace_back();
     scored.frame = truth_.number(frame);
     scored.picture = score_picture(now.pair, now.moving);

@@ -37,8 +37,10 @@ struct WarpConstants {
 Result<GpuTables> GpuTables::make(GpuDevice& device) {
   using namespace pass_constants;
   constexpr std::size_t kCurves = 3 * (kCodes + kRoots), kExcess = 3 * VarianceExcess::kBins;
-  return GpuTables{TRY(device.buffer(kCurves * sizeof(float))), TRY(device.buffer(kExcess * sizeof(float))),
-                   1};
+  GpuTables tables;
+  tables.curves = TRY(device.buffer(kCurves * sizeof(float)));
+  tables.excess = TRY(device.buffer(kExcess * sizeof(float)));
+  return tables;
 }
 
 void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
@@ -52,12 +54,14 @@ void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
 
 Result<PassRoom> PassRoom::make(GpuDevice& device, int rows, int cols) {
   const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
-  return PassRoom{.mean = TRY(picture(3)),
-                  .guess = TRY(picture(3)),
-                  .detail = TRY(picture(3)),
-                  .logs = TRY(picture(kStatePlanes)),
-                  .found = TRY(picture(kFoundPlanes)),
-                  .found_mean = TRY(picture(kFoundPlanes))};
+  PassRoom room;
+  room.mean = TRY(picture(3));
+  room.guess = TRY(picture(3));
+  room.detail = TRY(picture(3));
+  room.logs = TRY(picture(kStatePlanes));
+  room.found = TRY(picture(kFoundPlanes));
+  room.found_mean = TRY(picture(kFoundPlanes));
+  return room;
 }
 
 Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& options) {

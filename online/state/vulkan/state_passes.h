@@ -54,6 +54,7 @@ struct PassRoom {
 
 class StatePasses {
  public:
+  StatePasses() = default;  // none yet
   static Result<StatePasses> make(GpuDevice& device, const StateOptions& options);
 
   // warp_cubic, of rgb
@@ -114,7 +115,7 @@ class StatePasses {
   void fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,
             const PassRoom& room, const GpuPicture& share) const;
 
-  GpuDevice* device_;
+  GpuDevice* device_ = nullptr;
   StateOptions options_;
   std::array<const GpuKernel*, kPasses> kernels_{};
 };

@@ -24,25 +24,24 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
                                                   int cols) {
   const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
   const int lines = kResidualSampling.line_step_px(rows, cols);
-  Room room{
-      .passes = TRY(StatePasses::make(device, options)),
-      .tables = TRY(GpuTables::make(device)),
-      .state = TRY(picture(kStatePlanes)),
-      .predicted = TRY(picture(kStatePlanes)),
-      .joined = TRY(picture(kStatePlanes)),
-      .samples = TRY(picture(kSamplePlanes)),
-      .motion = TRY(picture(kMotionPlanes)),
-      .path = TRY(picture(kMotionPlanes)),
-      .longer = TRY(picture(kMotionPlanes)),
-      .seen = TRY(picture(3)),
-      .brightest = TRY(picture(3)),
-      .held = {},
-      .room = TRY(PassRoom::make(device, rows, cols)),
-      .contrast = TRY(picture(3)),
-      .gate = TRY(picture(1)),
-      .share = TRY(picture(1)),
-      .residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 2 + lines - 1) / lines),
-                                        std::max(1, (cols - 1) / 2)))};
+  Room room;
+  room.passes = TRY(StatePasses::make(device, options));
+  room.tables = TRY(GpuTables::make(device));
+  room.state = TRY(picture(kStatePlanes));
+  room.predicted = TRY(picture(kStatePlanes));
+  room.joined = TRY(picture(kStatePlanes));
+  room.samples = TRY(picture(kSamplePlanes));
+  room.motion = TRY(picture(kMotionPlanes));
+  room.path = TRY(picture(kMotionPlanes));
+  room.longer = TRY(picture(kMotionPlanes));
+  room.seen = TRY(picture(3));
+  room.brightest = TRY(picture(3));
+  room.room = TRY(PassRoom::make(device, rows, cols));
+  room.contrast = TRY(picture(3));
+  room.gate = TRY(picture(1));
+  room.share = TRY(picture(1));
+  room.residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 2 + lines - 1) / lines),
+                                        std::max(1, (cols - 1) / 2)));
   for (HeldCodes& held : room.held) held.codes = TRY(picture(3));
   return room;
 }

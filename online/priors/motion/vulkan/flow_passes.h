@@ -43,6 +43,7 @@ struct GpuFlow {
 
 class FlowPasses {
  public:
+  FlowPasses() = default;  // none yet
   static Result<FlowPasses> make(GpuDevice& device);
 
   // FlowKernels::halve
@@ -92,7 +93,7 @@ class FlowPasses {
     device_->work().run(*kernels_[pass], buffers, constants, grid);
   }
 
-  GpuDevice* device_;
+  GpuDevice* device_ = nullptr;
   std::array<const GpuKernel*, kPasses> kernels_{};
 };
 

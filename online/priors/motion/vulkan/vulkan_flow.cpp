@@ -36,17 +36,17 @@ Result<VulkanFlow::Room> VulkanFlow::Room::make(GpuDevice& device, int rows, int
   const FlowEffort effort = effort_of(FlowQuality::Fine);
   const PatchGrid grid = patch_grid(rows, cols, effort.stride);  // the largest
   const auto patches = [&] { return GpuPicture::make(device, kFlowVectorPlanes, grid.rows, grid.cols); };
-  Room room{.passes = TRY(FlowPasses::make(device)),
-            .levels = {},
-            .guess = TRY(picture(kFlowVectorPlanes)),
-            .flow = TRY(picture(kFlowVectorPlanes)),
-            .before = TRY(picture(kFlowVectorPlanes)),
-            .next = TRY(picture(kFlowVectorPlanes)),
-            .patches = TRY(patches()),
-            .starts = TRY(patches()),
-            .others = TRY(patches()),
-            .data = TRY(picture(kFlowDataPlanes)),
-            .system = TRY(picture(kFlowSystemPlanes))};
+  Room room;
+  room.passes = TRY(FlowPasses::make(device));
+  room.guess = TRY(picture(kFlowVectorPlanes));
+  room.flow = TRY(picture(kFlowVectorPlanes));
+  room.before = TRY(picture(kFlowVectorPlanes));
+  room.next = TRY(picture(kFlowVectorPlanes));
+  room.patches = TRY(patches());
+  room.starts = TRY(patches());
+  room.others = TRY(patches());
+  room.data = TRY(picture(kFlowDataPlanes));
+  room.system = TRY(picture(kFlowSystemPlanes));
   for (int scale = 0; scale <= scales_of(effort, rows, cols).coarsest; ++scale)
     room.levels.push_back(TRY(GpuPicture::make(device, kFlowLevelPlanes, rows >> scale, cols >> scale)));
   return room;
