@@ -1,8 +1,5 @@
 // The front end `run` in a tree of its own, with programs of the test in place of the build, hdrcam and jq:
 // where it works, what it refuses, and how it is interrupted.
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -11,24 +8,16 @@
 
 #include "tests/places.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/shell.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using test::Ran;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Said {
-  int exit_code = -1;
-  std::string text;  // of both streams
-};
-
-void write_program(const std::string& path, const std::string& lines) {
-  std::ofstream(path) << "#!/bin/sh\n" << lines << "\n";
-  fs::permissions(path, fs::perms::owner_all);
-}
 
 // place()/tree: a checkout in which everything is built and installed; place()/elsewhere: an empty folder.
 class Checkout {
@@ -43,26 +32,17 @@ class Checkout {
     // -r --arg name NAME FILTER FILE
     replace("jq", "cat \"$6\" >/dev/null && printf '%s\\t3\\t1\\t2\\n' \"$4\"");
     // replay RECORDING -o FOLDER/%06d.exr ..
-    write_program(
+    test::write_program(
         place_ + "/tree/build/release/hdrcam",
         "mkdir -p \"${4%/*}\" && echo \"$2\" >\"${4%/*}/000000.exr\"; echo '{}' >\"${4%/*}/stats.json\"");
   }
 
   void replace(const std::string& program, const std::string& lines) const {
-    write_program(place_ + "/bin/" + program, lines);
+    test::write_program(place_ + "/bin/" + program, lines);
   }
   // line: of a shell that stands in place()/folder.
-  Said shell(const std::string& folder, const std::string& line) const {
-    const std::string command =
-        fmt::format("cd {0}/{1} && {{ PATH={0}/bin:$PATH {2}; }} 2>&1", place_, folder, line);
-    std::FILE* const pipe = ::popen(command.c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    Said said;
-    char block[512];
-    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;) said.text.append(block, n);
-    const int status = ::pclose(pipe);
-    if (WIFEXITED(status)) said.exit_code = WEXITSTATUS(status);
-    return said;
+  Ran shell(const std::string& folder, const std::string& line) const {
+    return test::shell(fmt::format("cd {0}/{1} && {{ PATH={0}/bin:$PATH {2}; }}", place_, folder, line));
   }
   bool has(const std::string& file) const { return fs::exists(place_ + "/" + file); }
   std::string place() const { return place_; }
@@ -77,17 +57,17 @@ TEST_CASE(
     "the front end works in its own folder, by a link and beside a folder of that name that CDPATH knows") {
   const Checkout checkout("run_own_folder");
   fs::create_symlink("../tree/run", checkout.place() + "/elsewhere/hdr");
-  const Said linked = checkout.shell("elsewhere", "./hdr demo");
-  INFO(linked.text);
+  const Ran linked = checkout.shell("elsewhere", "./hdr demo");
+  INFO(linked.output);
   CHECK(linked.exit_code == 0);
   CHECK(checkout.has("tree/out/demo/000000.exr"));
   CHECK_FALSE(checkout.has("elsewhere/build"));
 
   fs::remove_all(checkout.place() + "/tree/out");
   fs::create_directories(checkout.place() + "/elsewhere/tree");
-  const Said beside =
+  const Ran beside =
       checkout.shell(".", fmt::format("CDPATH={}/elsewhere bash tree/run demo", checkout.place()));
-  INFO(beside.text);
+  INFO(beside.output);
   CHECK(beside.exit_code == 0);
   CHECK(checkout.has("tree/out/demo/000000.exr"));
 }
@@ -95,8 +75,8 @@ TEST_CASE(
 TEST_CASE("files that are named to the front end from another folder are that folder's") {
   const Checkout checkout("run_other_folder");
   std::ofstream(checkout.place() + "/elsewhere/a.mkv") << "recording";
-  const Said said = checkout.shell("elsewhere", "../tree/run fleet --plain -o out a.mkv");
-  INFO(said.text);
+  const Ran said = checkout.shell("elsewhere", "../tree/run fleet --plain -o out a.mkv");
+  INFO(said.output);
   CHECK(said.exit_code == 0);
   CHECK(checkout.has("elsewhere/out/a/000000.exr"));
   CHECK_FALSE(checkout.has("tree/out"));
@@ -105,9 +85,9 @@ TEST_CASE("files that are named to the front end from another folder are that fo
 TEST_CASE("a verb of the front end that takes no argument refuses one and does nothing") {
   const Checkout checkout("run_no_argument");
   for (const char* verb : {"demo", "check", "package", "format"}) {
-    const Said said = checkout.shell("tree", fmt::format("./run {} quick", verb));
+    const Ran said = checkout.shell("tree", fmt::format("./run {} quick", verb));
     CHECK(said.exit_code == 1);
-    CHECK(said.text == fmt::format("run: {} takes no argument, not 'quick'\n", verb));
+    CHECK(said.output == fmt::format("run: {} takes no argument, not 'quick'\n", verb));
   }
   CHECK_FALSE(checkout.has("tree/out"));
 }
@@ -118,19 +98,19 @@ TEST_CASE("what is interrupted ends: no later check begins, and no later clip is
   const std::string interrupted = "trap 'exit 2' INT; kill -INT 0; exit 2",
                     alone = "env --default-signal=INT setsid --wait ";
   checkout.replace("cmake", interrupted);
-  const Said check = checkout.shell("tree", alone + "./run check");
-  INFO(check.text);
+  const Ran check = checkout.shell("tree", alone + "./run check");
+  INFO(check.output);
   CHECK(check.exit_code == 130);
-  CHECK_THAT(check.text, Contains("== ./run test") && !Contains("== ./run lint"));
+  CHECK_THAT(check.output, Contains("== ./run test") && !Contains("== ./run lint"));
 
   checkout.replace("hdrcam", interrupted);
   for (const char* clip : {"one", "two"}) {
     fs::create_directories(checkout.place() + "/clips/" + clip + "/gt");
     std::ofstream(checkout.place() + "/clips/" + clip + "/clip.json") << "{}";
   }
-  const Said quality = checkout.shell(
+  const Ran quality = checkout.shell(
       "elsewhere", alone + "'" HDRCAM_SOURCE_DIR "/tests/quality/run_quality.sh' ../clips --hdrcam hdrcam");
-  INFO(quality.text);
+  INFO(quality.output);
   CHECK(quality.exit_code == 130);
-  CHECK_THAT(quality.text, Contains("one") && !Contains("two"));
+  CHECK_THAT(quality.output, Contains("one") && !Contains("two"));
 }

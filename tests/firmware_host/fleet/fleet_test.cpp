@@ -1,8 +1,5 @@
 // The scripts of a fleet, with programs of the test in place of hdrcam, Slurm and jq: which results count,
 // and which files of an earlier job stay.
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
@@ -10,19 +7,16 @@
 
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
+#include "tests/support/shell.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using test::Ran;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Said {
-  int exit_code = -1;
-  std::string text;  // of both streams
-};
 
 // Two recordings, and programs that a fleet finds before those of the system.
 class Fleet {
@@ -40,36 +34,25 @@ class Fleet {
   }
 
   void program(const std::string& name, const std::string& lines) const {
-    const std::string path = place_ + "/bin/" + name;
-    std::ofstream(path) << "#!/bin/sh\n" << lines << "\n";
-    fs::permissions(path, fs::perms::owner_all);
+    test::write_program(place_ + "/bin/" + name, lines);
   }
   // flags: of run_fleet.sh; frames: what every job leaves.
-  Said run(const std::string& flags, const std::string& frames) const {
+  Ran run(const std::string& flags, const std::string& frames) const {
     return shell(
         fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames));
   }
-  Said run_on(const std::string& recording, const std::string& frames = " -- 3") const {
+  Ran run_on(const std::string& recording, const std::string& frames = " -- 3") const {
     return shell(fmt::format("run_fleet.sh --plain -o {} {}/{}{}", out(), place_, recording, frames));
   }
-  Said summary() const { return shell("summary.sh " + out()); }
+  Ran summary() const { return shell("summary.sh " + out()); }
 
   std::string out() const { return place_ + "/out"; }
   bool has(const std::string& file) const { return fs::exists(out() + "/" + file); }
 
  private:
-  Said shell(const std::string& line) const {
-    const std::string command =
-        fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam '{1}/firmware_host/fleet/'{2} 2>&1", place_,
-                    HDRCAM_SOURCE_DIR, line);
-    std::FILE* const pipe = ::popen(command.c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    Said said;
-    char block[512];
-    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;) said.text.append(block, n);
-    const int status = ::pclose(pipe);
-    if (WIFEXITED(status)) said.exit_code = WEXITSTATUS(status);
-    return said;
+  Ran shell(const std::string& line) const {
+    return test::shell(fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam '{1}/firmware_host/fleet/'{2}",
+                                   place_, HDRCAM_SOURCE_DIR, line));
   }
 
   const std::string place_;
@@ -97,24 +80,24 @@ TEST_CASE("a fleet hands on every flag of replay, an empty value too, and none w
 
 TEST_CASE("a fleet does each recording once, and anew under other flags, without frames of the job before") {
   const Fleet fleet("fleet_anew");
-  const Said first = fleet.run("--plain", "3");
-  INFO(first.text);
+  const Ran first = fleet.run("--plain", "3");
+  INFO(first.output);
   REQUIRE(first.exit_code == 0);
   CHECK(fleet.has("a/000003.exr"));
   std::ofstream(fleet.out() + "/a/mine.exr") << "of the user";
-  CHECK_THAT(fleet.run("--plain", "3").text,
+  CHECK_THAT(fleet.run("--plain", "3").output,
              Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
 
-  const Said fewer = fleet.run("--plain", "2");
-  INFO(fewer.text);
+  const Ran fewer = fleet.run("--plain", "2");
+  INFO(fewer.output);
   CHECK(fewer.exit_code == 0);
-  CHECK_THAT(fewer.text, !Contains("done earlier"));
+  CHECK_THAT(fewer.output, !Contains("done earlier"));
   CHECK(fleet.has("a/000002.exr"));
   CHECK_FALSE(fleet.has("a/000003.exr"));
 
-  const Said failed = fleet.run("--plain", "none");
+  const Ran failed = fleet.run("--plain", "none");
   CHECK(failed.exit_code == 1);
-  CHECK_THAT(failed.text, Contains("exit 9: hdrcam: there is no frame."));
+  CHECK_THAT(failed.output, Contains("exit 9: hdrcam: there is no frame."));
   for (const char* file : {"a/000001.exr", "a/frames.csv", "a/stats.json"}) CHECK_FALSE(fleet.has(file));
   CHECK(fleet.has("a/mine.exr"));
 }
@@ -126,14 +109,14 @@ TEST_CASE("a changed file that a flag names makes each job of a fleet new") {
     INFO(flag);
     std::ofstream(config) << "[fit]\nseed = 1\n";
     REQUIRE(fleet.run("--plain", "3 " + flag).exit_code == 0);
-    CHECK_THAT(fleet.run("--plain", "3 " + flag).text, Contains("b.mkv: done earlier"));
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).output, Contains("b.mkv: done earlier"));
     std::ofstream(config) << "[fit]\nseed = 2\n";
-    const Said table = fleet.summary();
+    const Ran table = fleet.summary();
     CHECK(table.exit_code == 1);
-    CHECK_THAT(table.text, Contains(kOfAnother));
-    const Said anew = fleet.run("--plain", "3 " + flag);
+    CHECK_THAT(table.output, Contains(kOfAnother));
+    const Ran anew = fleet.run("--plain", "3 " + flag);
     CHECK(anew.exit_code == 0);
-    CHECK_THAT(anew.text, !Contains("done earlier"));
+    CHECK_THAT(anew.output, !Contains("done earlier"));
   }
 }
 
@@ -143,16 +126,16 @@ TEST_CASE("a changed folder that a flag names makes each job of a fleet new") {
   fs::create_directories(clip + "/gt");
   std::ofstream(clip + "/gt/0.exr") << "true";
   const auto runs_anew = [&](const std::string& flag) {
-    const Said anew = fleet.run("--plain", "3 " + flag);
+    const Ran anew = fleet.run("--plain", "3 " + flag);
     CHECK(anew.exit_code == 0);
-    CHECK_THAT(anew.text, !Contains("done earlier"));
+    CHECK_THAT(anew.output, !Contains("done earlier"));
   };
   const auto changes = [&](const std::string& flag) {
     INFO(flag);
-    CHECK_THAT(fleet.run("--plain", "3 " + flag).text,
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).output,
                Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
     std::ofstream(clip + "/gt/0.exr", std::ios::app) << " and more";
-    CHECK_THAT(fleet.summary().text, Contains(kOfAnother));
+    CHECK_THAT(fleet.summary().output, Contains(kOfAnother));
     runs_anew(flag);
     std::ofstream(clip + "/gt/" + fmt::format("{}.exr", fs::file_size(clip + "/gt/0.exr"))) << "another";
     runs_anew(flag);
@@ -167,23 +150,23 @@ TEST_CASE("a result without figures is in the table as such, stops no other row,
   const Fleet fleet("fleet_figures");
   REQUIRE(fleet.run("--plain", "3").exit_code == 0);
   fs::remove(fleet.out() + "/a/stats.json");
-  const Said table = fleet.summary();
-  INFO(table.text);
+  const Ran table = fleet.summary();
+  INFO(table.output);
   CHECK(table.exit_code == 1);
-  CHECK_THAT(table.text, Contains("no figures: its stats.json is gone or damaged"));
-  CHECK_THAT(table.text, Contains("1.0      2.0  done"));  // b
-  const Said again = fleet.run("--plain", "3");
+  CHECK_THAT(table.output, Contains("no figures: its stats.json is gone or damaged"));
+  CHECK_THAT(table.output, Contains("1.0      2.0  done"));  // b
+  const Ran again = fleet.run("--plain", "3");
   CHECK(again.exit_code == 0);
-  CHECK_THAT(again.text, !Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
+  CHECK_THAT(again.output, !Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
 }
 
 TEST_CASE("a recording named as a list of the fleet is refused before anything is written") {
   for (const char* recording : {"flags.mkv", "recordings.mkv"}) {
     const Fleet fleet("fleet_names");
-    const Said refused = fleet.run_on(recording);
-    INFO(refused.text);
+    const Ran refused = fleet.run_on(recording);
+    INFO(refused.output);
     CHECK(refused.exit_code == 2);
-    CHECK_THAT(refused.text, Contains("as is a list of the fleet") && Contains("rename it"));
+    CHECK_THAT(refused.output, Contains("as is a list of the fleet") && Contains("rename it"));
     CHECK_FALSE(fs::exists(fleet.out()));
   }
 }
@@ -192,15 +175,15 @@ TEST_CASE(
     "a flag of the fleet without its value, or with one that is none, is refused before anything is "
     "written") {
   const Fleet fleet("fleet_values");
-  const Said number = fleet.run("--plain --at-once many", "3");
-  INFO(number.text);
+  const Ran number = fleet.run("--plain --at-once many", "3");
+  INFO(number.output);
   CHECK(number.exit_code == 2);
-  CHECK_THAT(number.text, Contains("--at-once takes a number"));
+  CHECK_THAT(number.output, Contains("--at-once takes a number"));
   CHECK_FALSE(fs::exists(fleet.out()));
-  const Said nothing = fleet.run_on("a.mkv --at-once", "");
-  INFO(nothing.text);
+  const Ran nothing = fleet.run_on("a.mkv --at-once", "");
+  INFO(nothing.output);
   CHECK(nothing.exit_code == 2);
-  CHECK_THAT(nothing.text, Contains("--at-once needs a value"));
+  CHECK_THAT(nothing.output, Contains("--at-once needs a value"));
   CHECK_FALSE(fs::exists(fleet.out()));
 }
 
@@ -209,8 +192,8 @@ TEST_CASE("a recording without an extension has a folder of its own, also where 
   const fs::path takes = fs::path(fleet.out()).parent_path() / "rig-1.2";
   fs::create_directories(takes);
   for (const char* take : {"first", "second"}) std::ofstream(takes / take) << take;
-  const Said run = fleet.run_on("rig-1.2/first " + (takes / "second").string());
-  INFO(run.text);
+  const Ran run = fleet.run_on("rig-1.2/first " + (takes / "second").string());
+  INFO(run.output);
   CHECK(run.exit_code == 0);
   CHECK(fleet.has("first/000003.exr"));
   CHECK(fleet.has("second/000003.exr"));
@@ -221,16 +204,16 @@ TEST_CASE("an array that Slurm does not take ends the fleet, and no earlier resu
   REQUIRE(fleet.run("--plain", "3").exit_code == 0);
   std::ofstream(fleet.out() + "/slurm-0.log") << "of an earlier array";
   fleet.program("sbatch", "echo 'sbatch: error: invalid partition' >&2; exit 1");
-  const Said refused = fleet.run("", "2");
-  INFO(refused.text);
+  const Ran refused = fleet.run("", "2");
+  INFO(refused.output);
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text, Contains("sbatch failed with 1; no job was submitted") && !Contains("done"));
+  CHECK_THAT(refused.output, Contains("sbatch failed with 1; no job was submitted") && !Contains("done"));
   CHECK_FALSE(fleet.has("slurm-0.log"));
 
-  const Said table = fleet.summary();
-  INFO(table.text);
+  const Ran table = fleet.summary();
+  INFO(table.output);
   CHECK(table.exit_code == 1);
-  CHECK_THAT(table.text, Contains(kOfAnother) && !Contains("done"));
+  CHECK_THAT(table.output, Contains(kOfAnother) && !Contains("done"));
 }
 
 TEST_CASE("a job of an array that fails is in the table beside the others") {
@@ -238,8 +221,8 @@ TEST_CASE("a job of an array that fails is in the table beside the others") {
   REQUIRE(fleet.run("--plain", "3").exit_code == 0);
   std::ofstream(fleet.out() + "/../b.mkv") << "another recording";
   fleet.program("sbatch", "echo 'Submitted batch job 7'; exit 1");  // and b's job never starts
-  const Said run = fleet.run("", "3");
-  INFO(run.text);
+  const Ran run = fleet.run("", "3");
+  INFO(run.output);
   CHECK(run.exit_code == 1);
-  CHECK_THAT(run.text, Contains("Submitted batch job 7") && Contains("done") && Contains(kOfAnother));
+  CHECK_THAT(run.output, Contains("Submitted batch job 7") && Contains("done") && Contains(kOfAnother));
 }

@@ -9,6 +9,7 @@
 
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
+#include "tests/support/shell.h"
 
 #include <catch2/catch.hpp>
 
@@ -34,10 +35,8 @@ Said script_says(const std::string& name, const std::string& argument) {
   script.replace(at, booted.size(), folder);
   std::ofstream(folder + "/" + name) << script;
   for (const char* program : {"systemctl", "systemd-sysusers", "udevadm"}) {
-    const std::string path = folder + "/" + program;
-    std::ofstream(path) << "#!/bin/sh\necho " << program << " \"$@\" >> " << calls << "\n[ " << program
-                        << " != systemctl ]\n";
-    fs::permissions(path, fs::perms::owner_all);
+    test::write_program(folder + "/" + program, "echo " + std::string(program) + " \"$@\" >> " + calls +
+                                                    "\n[ " + program + " != systemctl ]");
   }
   const std::string line = "PATH=" + folder + ":$PATH sh " + folder + "/" + name + " " + argument;
   Said said;
