@@ -61,6 +61,12 @@ Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& p
   return FileInMaking(storage, std::move(making), std::move(there), path);
 }
 
+Result<FileInMaking> FileInMaking::beside_or_through(Storage& storage, const std::string& path) {
+  FileFacts there = TRY(storage.look_at(path));
+  if (there.kind == FileKind::Other) return FileInMaking(storage, path, std::move(there), path);
+  return beside(storage, path);
+}
+
 FileInMaking::FileInMaking(FileInMaking&& other) noexcept
     : storage_(other.storage_),
       names_(std::move(other.names_)),
@@ -72,6 +78,7 @@ FileInMaking::~FileInMaking() {
 }
 
 Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
+  if (is_through()) return storage_->create(path());
   auto file = TRY(as_asked(storage_->create(path(), Creation::New)));
   return std::unique_ptr<StorageFile>(std::make_unique<File>(std::move(file), names_));
 }
@@ -94,6 +101,7 @@ Result<void> FileInMaking::check_earlier(Forestalled forestalled) {
 }
 
 Result<void> FileInMaking::commit(Durability durability, Forestalled forestalled) {
+  if (is_through()) return {};
   if (durability == Durability::AtOnce) {
     const auto file = TRY(as_asked(storage_->open(path())));
     TRY(as_asked(file->sync()));
@@ -118,14 +126,10 @@ Result<void> FileInMaking::sync_folder() {
 
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,
                          Durability durability) {
-  auto making = FileInMaking::beside(storage, path);
-  if (!making) {  // a device or a FIFO is written through
-    if (TRY(storage.look_at(path)).kind != FileKind::Other) return making.error();
-    return TRY(storage.create(path))->write_at(0, bytes);
-  }
-  const auto file = TRY(making->create());
+  FileInMaking making = TRY(FileInMaking::beside_or_through(storage, path));
+  const auto file = TRY(making.create());
   TRY(file->write_at(0, bytes));
-  return making->commit(durability);
+  return making.commit(durability);
 }
 
 Result<std::string> read_whole(Storage& storage, const std::string& path) {

@@ -84,10 +84,13 @@ class FileInMaking {
  public:
   // Errors: those of Storage::look_at; Permission where `path` is no regular file.
   static Result<FileInMaking> beside(Storage& storage, const std::string& path);
+  // The same; a device or a FIFO is written through: create() opens it, and commit() has nothing to do.
+  static Result<FileInMaking> beside_or_through(Storage& storage, const std::string& path);
   FileInMaking(FileInMaking&& other) noexcept;
   FileInMaking& operator=(FileInMaking&&) = delete;
   ~FileInMaking();  // removes what was not committed
 
+  bool is_through() const { return earlier_.kind == FileKind::Other; }
   // To be created with Creation::New.
   const std::string& path() const { return names_.making; }
   // That file, empty, to write; its errors name the one that was asked for, before and after commit().
@@ -119,7 +122,10 @@ class FileInMaking {
   };
 
   FileInMaking(Storage& storage, std::string path, FileFacts earlier, std::string asked)
-      : storage_(&storage), names_{std::move(path), std::move(asked)}, earlier_(std::move(earlier)) {}
+      : storage_(&storage),
+        names_{std::move(path), std::move(asked)},
+        earlier_(std::move(earlier)),
+        ours_(!is_through()) {}
   Result<void> check_earlier(Forestalled forestalled);
   Error written_meanwhile(Forestalled forestalled);
   Result<void> sync_folder();
@@ -127,7 +133,7 @@ class FileInMaking {
   Storage* storage_;
   Names names_;
   FileFacts earlier_;  // what is at the final path, which is its real_path
-  bool ours_ = true;
+  bool ours_;
 };
 
 // Writes the whole file or nothing (FileInMaking). A device or a FIFO is written to directly. Pictures of a

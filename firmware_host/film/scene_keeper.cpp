@@ -8,9 +8,7 @@
 namespace hdrcam {
 
 Result<void> SceneKeeper::name_file(Storage& storage, const std::string& path) {
-  storage_ = &storage, path_ = path;
-  if (TRY(storage.look_at(path)).kind != FileKind::Other)
-    making_.emplace(TRY(FileInMaking::beside(storage, path)));
+  making_.emplace(TRY(FileInMaking::beside_or_through(storage, path)));
   return {};
 }
 
@@ -30,11 +28,6 @@ void SceneKeeper::take(const HdrFrame& frame, const FrameEstimate& estimate) {
                                 const PathPose& pose) { return pose.time_s < reach_s; });
 }
 
-Result<SceneWriter> SceneKeeper::open_file(const Response& response) {
-  if (!making_) return SceneWriter::create(*storage_, path_, head_, response);
-  return SceneWriter::create(*std::move(making_), head_, response);
-}
-
 Result<void> SceneKeeper::save(const CameraFacts& camera, const Response& response) {
   if (kept_.empty()) return {};
   head_.program = fmt::format("hdrcam {}", kVersion);
@@ -47,7 +40,7 @@ Result<void> SceneKeeper::save(const CameraFacts& camera, const Response& respon
     fields.push_back(std::move(kept.field));
   }
   kept_.clear();
-  SceneWriter writer = TRY(open_file(response));
+  SceneWriter writer = TRY(SceneWriter::create(*std::move(making_), head_, response));
   for (std::size_t i = 0; i < fields.size(); ++i) {
     Keyframe& key = head_.frames[i];
     maker_.complete(fields[i], i > 0 ? &head_.frames[i - 1] : nullptr, key);

@@ -33,15 +33,11 @@ class SceneKeeper {
     SnapshotHold field;  // of its moment
   };
 
-  Result<SceneWriter> open_file(const Response& response);
-
   const std::size_t most_;
   KeyframeMaker maker_;
   SceneHead head_;
   std::deque<Kept> kept_;
-  Storage* storage_ = nullptr;
-  std::string path_;
-  std::optional<FileInMaking> making_;  // none of a device
+  std::optional<FileInMaking> making_;  // once it is named
 };
 
 // Memory for such frames of pictures of this size, and for the fields' snapshots of their moments.

@@ -171,18 +171,9 @@ FilmedRecording filmed(const SceneHead& scene) {
           .kind = scene.has_field ? FilmedKind::Snapshot : FilmedKind::SnapshotWithoutField};
 }
 
-Result<SceneWriter> SceneWriter::create(Storage& storage, const std::string& path, const SceneHead& head,
-                                        const Response& response) {
-  return begun(TRY(SectionWriter::create(storage, path, kFormat)), head, response);
-}
-
 Result<SceneWriter> SceneWriter::create(FileInMaking making, const SceneHead& head,
                                         const Response& response) {
-  return begun(TRY(SectionWriter::create(std::move(making), kFormat)), head, response);
-}
-
-Result<SceneWriter> SceneWriter::begun(SectionWriter file, const SceneHead& head, const Response& response) {
-  SceneWriter writer(std::move(file));
+  SceneWriter writer(TRY(SectionWriter::create(std::move(making), kFormat)));
   FieldsOut fields;
   fields(head);
   TRY(writer.file_.add(kHead, fields.bytes()));

@@ -64,17 +64,13 @@ FilmedRecording filmed(const SceneHead& scene);
 // the frames, the input's codes and the field. Thread-bound.
 class SceneWriter {
  public:
-  // The storage outlives the writer. Errors of all: those of SectionWriter.
-  static Result<SceneWriter> create(Storage& storage, const std::string& path, const SceneHead& head,
-                                    const Response& response);
-  // The same of a file that was begun before.
+  // Errors of all: those of SectionWriter.
   static Result<SceneWriter> create(FileInMaking making, const SceneHead& head, const Response& response);
   Result<void> add(const Keyframe& frame);
   Result<void> finish(const ExposedFrame& input, const SnapshotHold& field);
 
  private:
   explicit SceneWriter(SectionWriter file) : file_(std::move(file)) {}
-  static Result<SceneWriter> begun(SectionWriter file, const SceneHead& head, const Response& response);
 
   SectionWriter file_;
 };

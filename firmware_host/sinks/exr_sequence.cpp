@@ -164,12 +164,11 @@ class ExrSequence : public FrameSink {
 
  private:
   Result<void> write(const std::string& path) {
-    auto making = FileInMaking::beside(storage_, path);
-    if (!making) return write_whole(storage_, path, file_, Durability::WrittenBack);  // a FIFO or a device
-    const auto file = TRY(making->create());
+    FileInMaking making = TRY(FileInMaking::beside_or_through(storage_, path));
+    const auto file = TRY(making.create());
     TRY(file->write_at(0, file_));
     TRY(ledger_.take_name());
-    return making->commit(Durability::WrittenBack);
+    return making.commit(Durability::WrittenBack);
   }
 
   Storage& storage_;

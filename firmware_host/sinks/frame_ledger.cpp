@@ -24,7 +24,7 @@ std::string FrameLedger::path_beside(const FramePattern& frames) {
 
 Result<FrameLedger> FrameLedger::create(Storage& storage, const FramePattern& frames) {
   FileInMaking making = TRY(FileInMaking::beside(storage, path_beside(frames)));
-  auto file = TRY(making.as_asked(storage.create(making.path(), Creation::New)));
+  auto file = TRY(making.create());
   FrameLedger ledger(std::move(making), std::move(file));
   TRY(ledger.write(
       "number,time_s,timestamp_s,exposure_s,analogue_gain,digital_gain,exposure_source,verdict,file\n"));
@@ -46,7 +46,7 @@ Result<void> FrameLedger::append(const FrameFacts& facts, double time_s, const s
 }
 
 Result<void> FrameLedger::write(const std::string& line) {
-  TRY(making_.as_asked(file_->write_at(bytes_, std::as_bytes(std::span(line)))));
+  TRY(file_->write_at(bytes_, std::as_bytes(std::span(line))));
   bytes_ += line.size();
   return {};
 }

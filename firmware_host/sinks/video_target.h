@@ -26,12 +26,10 @@ class VideoTarget {
   Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format);
 
  private:
-  VideoTarget() = default;
+  explicit VideoTarget(FileInMaking making) : making_(std::move(making)) {}
 
   std::unique_ptr<StorageFile> pipe_;  // that is open already, or
   std::optional<FileInMaking> making_;
-  Storage* storage_ = nullptr;  // of a FIFO or a device at the path
-  std::string path_;
 };
 
 }  // namespace hdrcam

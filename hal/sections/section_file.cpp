@@ -38,25 +38,12 @@ std::string text_of(const std::array<char, kNameLength>& name) {
 
 }  // namespace
 
-Result<SectionWriter> SectionWriter::create(Storage& storage, const std::string& path,
-                                            const SectionFormat& format) {
-  if (TRY(storage.look_at(path)).kind != FileKind::Other)
-    return create(TRY(FileInMaking::beside(storage, path)), format);
-  SectionWriter writer(std::nullopt, TRY(storage.create(path)));
-  TRY(writer.begin(format));
-  return writer;
-}
-
 Result<SectionWriter> SectionWriter::create(FileInMaking making, const SectionFormat& format) {
   auto file = TRY(making.create());
   SectionWriter writer(std::move(making), std::move(file));
-  TRY(writer.begin(format));
+  TRY(writer.append(std::as_bytes(std::span(format.magic))));
+  TRY(writer.append(std::as_bytes(std::span(&format.version, 1))));
   return writer;
-}
-
-Result<void> SectionWriter::begin(const SectionFormat& format) {
-  TRY(append(std::as_bytes(std::span(format.magic))));
-  return append(std::as_bytes(std::span(&format.version, 1)));
 }
 
 Result<void> SectionWriter::append(Bytes bytes) {
@@ -82,7 +69,7 @@ Result<void> SectionWriter::add(std::string_view name, std::span<const Bytes> pa
 Result<void> SectionWriter::finish() {
   TRY(add(kEnd, Bytes()));
   file_.reset();
-  return making_ ? making_->commit() : Result<void>();
+  return making_.commit();
 }
 
 Result<bool> is_section_file(Storage& storage, const std::string& path, const SectionFormat& format) {

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,10 +30,7 @@ using Bytes = std::span<const std::byte>;
 
 class SectionWriter {
  public:
-  // The file gets its name with finish(); until then an earlier one stays. A device or a FIFO is written
-  // through. The storage outlives the writer. Errors: those of the disk.
-  static Result<SectionWriter> create(Storage& storage, const std::string& path, const SectionFormat& format);
-  // The same of a file that was begun before.
+  // The file gets its name with finish(). Its storage outlives the writer. Errors: those of the disk.
   static Result<SectionWriter> create(FileInMaking making, const SectionFormat& format);
 
   // name: 1 to 16 ASCII characters; parts: the content, in pieces. Errors: NoSpace, Io.
@@ -44,12 +40,11 @@ class SectionWriter {
   Result<void> finish();
 
  private:
-  SectionWriter(std::optional<FileInMaking> making, std::unique_ptr<StorageFile> file)
+  SectionWriter(FileInMaking making, std::unique_ptr<StorageFile> file)
       : making_(std::move(making)), file_(std::move(file)) {}
-  Result<void> begin(const SectionFormat& format);
   Result<void> append(Bytes bytes);
 
-  std::optional<FileInMaking> making_;  // none for a device
+  FileInMaking making_;
   std::unique_ptr<StorageFile> file_;
   std::uint64_t end_ = 0;
 };

@@ -71,7 +71,8 @@ struct Written {
     WorkerPool pool(1);
     FitStream stream;
     HashGridField field(FitStream::small_options(), 1, head.frames.back().lens, kRows, kCols, pool);
-    SceneWriter writer = value_of(SceneWriter::create(posix_storage(), path, head, response));
+    SceneWriter writer =
+        value_of(SceneWriter::create(value_of(FileInMaking::beside(posix_storage(), path)), head, response));
     for (const Keyframe& key : head.frames) require_done(writer.add(key));
     ExposedFrame frame;
     RadianceState state;

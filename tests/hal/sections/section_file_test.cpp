@@ -28,7 +28,8 @@ Bytes bytes_of(const std::string& text) { return std::as_bytes(std::span(text));
 // Of two sections, "first" and "second".
 std::string written(const std::string& name) {
   const std::string path = test::scratch_folder(name) + "/box";
-  SectionWriter writer = value_of(SectionWriter::create(posix_storage(), path, kFormat));
+  SectionWriter writer =
+      value_of(SectionWriter::create(value_of(FileInMaking::beside(posix_storage(), path)), kFormat));
   const std::string a = "abc", b = "defg", c = "hij";
   const Bytes parts[] = {bytes_of(a), bytes_of(b)};
   require_done(writer.add("first", parts));
@@ -136,7 +137,8 @@ TEST_CASE("a length that the file cannot hold is refused before memory is taken 
 TEST_CASE("a file of sections that is not finished leaves the earlier one as it is, and nothing besides") {
   const std::string path = written("sections_unfinished"), whole = text_of(path);
   {
-    SectionWriter writer = value_of(SectionWriter::create(posix_storage(), path, kFormat));
+    SectionWriter writer =
+        value_of(SectionWriter::create(value_of(FileInMaking::beside(posix_storage(), path)), kFormat));
     require_done(writer.add("first", bytes_of(whole)));
   }
   CHECK(text_of(path) == whole);

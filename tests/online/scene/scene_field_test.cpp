@@ -120,10 +120,10 @@ Result<std::unique_ptr<FieldSnapshot>> saved_and_loaded(const SnapshotHold& held
                                   .version = 1,
                                   .mend = "save it again"};
   const std::string path = test::scratch_folder(folder) + "/field";
-  auto writer = SectionWriter::create(posix_storage(), path, kFormat);
-  REQUIRE(writer.ok());
-  REQUIRE(held->save(*writer).ok());
-  REQUIRE(writer->finish().ok());
+  SectionWriter writer =
+      TRY(SectionWriter::create(TRY(FileInMaking::beside(posix_storage(), path)), kFormat));
+  REQUIRE(held->save(writer).ok());
+  REQUIRE(writer.finish().ok());
   auto reader = SectionReader::open(posix_storage(), path, kFormat);
   REQUIRE(reader.ok());
   auto loaded = load_field(*reader, nullptr);
