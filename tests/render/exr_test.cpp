@@ -196,6 +196,16 @@ TEST_CASE("frames whose times tremble, or are whole milliseconds, keep their own
   REQUIRE(time_code(10s, 0.1) == TimeCode{0, 0, 10, 0});          // slower than seconds
 }
 
+TEST_CASE("a camera whose interval is a rounded thirtieth of a second counts its frames, not pairs of them") {
+  using namespace std::chrono_literals;
+  for (const Duration interval : {Duration(33'333'333ns), Duration(33'333us)})
+    for (int n = 0; n < 90; ++n)
+      REQUIRE(time_code(n * interval, 1 / to_seconds(interval)) == TimeCode{0, 0, n / 30, n % 30});
+  for (const Duration interval : {Duration(16'666'667ns), Duration(16'666us)})
+    for (int n = 0; n < 180; ++n)
+      REQUIRE(time_code(n * interval, 1 / to_seconds(interval)) == TimeCode{0, 0, n / 60, n % 60 / 2});
+}
+
 TEST_CASE("an OpenEXR file cut anywhere is an error, never a crash or a picture") {
   const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
   for (const auto compression :
