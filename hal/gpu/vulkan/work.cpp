@@ -255,10 +255,14 @@ Result<void> Work::submit() {
   info.commandBufferCount = 1, info.pCommandBuffers = &commands_;
   if (const VkResult r = vk_.QueueSubmit(queue_, 1, &info, fence_); r != VK_SUCCESS)
     return failed(r, "handing work over");
-  if (const VkResult r = vk_.WaitForFences(device_, 1, &fence_, VK_TRUE, kPatience_ns); r != VK_SUCCESS)
+  if (const VkResult r = vk_.WaitForFences(device_, 1, &fence_, VK_TRUE, kPatience_ns); r != VK_SUCCESS) {
+    answers_ = r == VK_ERROR_DEVICE_LOST;
     return failed(r, "waiting for work");
-  if (const VkResult r = vk_.ResetFences(device_, 1, &fence_); r != VK_SUCCESS)
+  }
+  if (const VkResult r = vk_.ResetFences(device_, 1, &fence_); r != VK_SUCCESS) {
+    lost_ = true;  // the fence stays set: further work would not be waited for
     return failed(r, "waiting for work");
+  }
   return {};
 }
 
@@ -270,7 +274,6 @@ Result<void> Work::finish() {
     else
       (void)vk_.EndCommandBuffer(commands_);
   }
-  if (!done && done.error().code == ErrorCode::Timeout) answers_ = false;
   lost_ = lost_ || !answers_ || (!done && done.error().code == ErrorCode::Unplugged);
   if (done)
     for (const Arrival& arrival : arrivals_)

@@ -42,7 +42,7 @@ class Work final : public GpuWork {
   Result<void> finish() override;
   void measure(GpuStepTimes* times) override;
   void carry_with(WorkerPool* pool) override { pool_ = pool; }
-  // Not where it was given up after a time: it may still be at work.
+  // Not where it was given up, after a time or because waiting failed: it may still be at work.
   bool answers() const { return answers_; }
 
  private:
