@@ -25,7 +25,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr std::size_t kMaxSamples = std::size_t{1} << 28;  // 1 GiB of floats: a larger size means damage
+// 2 GiB of floats, 7680x4320 pixels with all layers of a frame: a larger size means damage.
+constexpr std::size_t kMaxSamples = std::size_t{1} << 29;
 constexpr int kMaxSide = 1 << 16;
 
 class BytesOut : public Imf::OStream {

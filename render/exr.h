@@ -98,7 +98,7 @@ struct ExrImage {
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector<std::byte> room = {});
 
 // Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is for messages.
-// Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
+// Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^29 samples).
 Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name);
 Result<ExrImage> read_exr(Storage& storage, const std::string& path);
 // Without decoding the picture.

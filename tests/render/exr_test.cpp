@@ -261,6 +261,28 @@ TEST_CASE("a header that claims more than its file can hold costs no memory") {
   CHECK(image.error().message.find("too few for 1 channels of 65536x1024") != std::string::npos);
 }
 
+TEST_CASE("7680x4320 pixels with all layers of a frame are no claim too large") {
+  const Image<float> plane = ramp(0, 1);
+  ExrPicture picture = picture_of(plane, plane);
+  picture.channels.clear();
+  for (const char* name :
+       {"R", "G", "B", "Z", "backward.u", "backward.v", "forward.u", "forward.v", "field.u", "field.v",
+        "field.forward.u", "field.forward.v", "sigma", "confidence", "provenance"})
+    picture.channels.push_back({name, plane.samples(), ExrSample::Half});
+  std::vector<std::byte> bytes = encode_exr(picture).value();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::int32_t kLast[2] = {7679, 4319};  // x, y
+  for (const std::string_view name : {"dataWindow", "displayWindow"}) {
+    const std::size_t window = text.find(name);
+    REQUIRE(window != std::string_view::npos);
+    constexpr std::size_t kBeforeLast = std::string_view("\0box2i\0size", 11).size() + 2 * sizeof kLast[0];
+    std::memcpy(bytes.data() + window + name.size() + kBeforeLast, kLast, sizeof kLast);
+  }
+  const auto image = decode_exr(bytes, "large.exr");
+  REQUIRE_FALSE(image.ok());
+  CHECK(image.error().code == ErrorCode::Truncated);  // there are too few bytes, not too many pixels
+}
+
 TEST_CASE("the picture of an OpenEXR file is what it displays, whatever part of it the file has data of") {
   Image<float> data(1, 64, 64);
   for (int y = 0; y < 64; ++y)
