@@ -44,10 +44,10 @@ Governor::Governor(std::vector<Rung> ladder, Duration deadline)
   emits_all_ = at_;
 }
 
-FrameBudget Governor::next() {
+FrameBudget Governor::next() const {
   const Rung& rung = ladder_[at_];
   FrameBudget budget = rung.budget;
-  budget.emits = frames_++ % rung.of < rung.emitted;
+  budget.emits = worked_on_ % rung.of < rung.emitted;
   return budget;
 }
 
@@ -55,6 +55,7 @@ void Governor::done(const FrameWork& work, Backlog backlog) {
   backlog_ = backlog;
   times_.set_frames_queue(queues(backlog_));
   if (work.frames == 0) return;
+  ++worked_on_;
   frames_at_[at_] += work.frames;
   if (work.frames > 1) return;  // the first frames come at once
   since_return_ = std::min(since_return_ + 1, kProven);

@@ -24,9 +24,10 @@ class Governor {
   // ladder: at least one rung.
   Governor(std::vector<Rung> ladder, Duration deadline);
 
-  // The budget of the next frame. Call it once per frame.
-  FrameBudget next();
-  // How long that frame took, and what waits behind it.
+  // The budget of the next frame.
+  FrameBudget next() const;
+  // How long that frame took, and what waits behind it. Call it once per frame; one that has no part in the
+  // fit is none of the frames of which a rung emits some.
   void done(const FrameWork& work, Backlog backlog = Backlog::Unknown);
   // So many frames waited for later ones until the end; they count at the present rung.
   void ended(int frames) { frames_at_[at_] += frames; }
@@ -73,7 +74,7 @@ class Governor {
   Backoff to_return_;        // to those
   Backoff to_leave_out_;     // frames: not even that was in time
   Backlog backlog_ = Backlog::Unknown;
-  long frames_ = 0;
+  long worked_on_ = 0;  // frames; the first ones, which come at once, are one
   int late_ = 0;
   std::vector<int> frames_at_;
 };

@@ -263,6 +263,21 @@ TEST_CASE(
   CHECK(emitted == 10);
 }
 
+TEST_CASE("of the frames that take part one in two is emitted, also where every second one is kept out") {
+  Governor governor(ladder(), kDeadline);
+  Machine machine{.load = 3.6};
+  run(governor, machine, 4 * kSecond);
+  REQUIRE(governor.ladder()[static_cast<std::size_t>(governor.rung())].of == 2);
+  int emitted = 0;
+  for (int i = 0; i < 20; ++i) {
+    governor.done({});  // kept out of the fit
+    const FrameBudget budget = governor.next();
+    emitted += budget.emits;
+    governor.done(machine.work(budget, false));
+  }
+  CHECK(emitted == 10);
+}
+
 TEST_CASE("a queue that absorbs late frames: none is left out, and quality waits until it is empty") {
   Governor governor(ladder(), kDeadline);
   const int emits_all = governor.rung();
