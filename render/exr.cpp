@@ -115,9 +115,16 @@ PoseMatrix world_from_camera(const Imath::M44f& m) {
 Imath::V2f library_point(const std::array<float, 2>& xy) { return {xy[0], xy[1]}; }
 std::array<float, 2> point(const Imath::V2f& xy) { return {xy.x, xy.y}; }
 
+// The nominal rate. Intervals are rounded: of whole nanoseconds, 30 Hz would be 100000021 / 3333334.
+Imf::Rational frames_per_second(double hz) {
+  constexpr double kNearly_hz = 0.002;  // as the library has it for 29.97 and its like
+  const double whole = std::round(hz);
+  return Imf::guessExactFps(whole >= 1 && std::abs(hz - whole) < kNearly_hz ? whole : hz);
+}
+
 void add_attributes(Imf::Header& header, const ExrAttributes& a) {
   if (a.exposure_s) Imf::addExpTime(header, static_cast<float>(*a.exposure_s));
-  if (a.framerate_hz) Imf::addFramesPerSecond(header, Imf::guessExactFps(*a.framerate_hz));
+  if (a.framerate_hz) Imf::addFramesPerSecond(header, frames_per_second(*a.framerate_hz));
   if (a.white_cd_m2) Imf::addWhiteLuminance(header, static_cast<float>(*a.white_cd_m2));
   if (a.chromaticities) {
     const Chromaticities& c = *a.chromaticities;

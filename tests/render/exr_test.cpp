@@ -163,6 +163,19 @@ TEST_CASE("the facts of a frame are readable back from its OpenEXR picture") {
     REQUIRE((*b.T_world_camera)[i] == Approx((*a.T_world_camera)[i]).margin(1e-6));
 }
 
+TEST_CASE("an OpenEXR picture states the nominal rate of a camera whose interval is rounded") {
+  const Image<float> plane = ramp(0, 1);
+  ExrPicture picture = picture_of(plane, plane);
+  for (const auto& [interval_s, nominal_hz] : {std::pair(0.033333333, 30.0),
+                                               {0.033333, 30.0},
+                                               {0.033366667, 30000.0 / 1001},
+                                               {0.016666667, 60.0},
+                                               {2.0, 0.5}}) {
+    picture.attributes.framerate_hz = 1 / interval_s;
+    CHECK(*round_trip(picture).attributes.framerate_hz == nominal_hz);
+  }
+}
+
 TEST_CASE("a picture without facts has none") {
   const Image<float> plane = ramp(0, 1);
   const ExrAttributes a = round_trip(picture_of(plane, plane)).attributes;
