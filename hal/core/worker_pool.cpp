@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <string>
+#include <system_error>
 
 #include "hal/core/check.h"
 #include "hal/core/cpu.h"
@@ -37,12 +38,16 @@ bool comes_soon(Condition&& condition) {
 
 WorkerPool::WorkerPool(int threads, ThreadPriority priority) : parts_(static_cast<std::size_t>(threads)) {
   HDRCAM_CHECK_GT(threads, 0);
-  for (int i = 1; i < threads; ++i)
-    threads_.emplace_back([this, priority, i] {
-      name_this_thread("worker " + std::to_string(i));
-      set_priority_of_this_thread(priority);
-      serve(static_cast<std::size_t>(i));
-    });
+  try {
+    for (int i = 1; i < threads; ++i)
+      threads_.emplace_back([this, priority, i] {
+        name_this_thread("worker " + std::to_string(i));
+        set_priority_of_this_thread(priority);
+        serve(static_cast<std::size_t>(i));
+      });
+  } catch (const std::system_error&) {
+    // the parts of those that are missing are done by the others
+  }
 }
 
 WorkerPool::~WorkerPool() {

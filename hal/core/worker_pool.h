@@ -21,7 +21,7 @@ namespace hdrcam {
 
 class WorkerPool {
  public:
-  // threads: 1.. ; the calling thread is one of them.
+  // threads: 1.. ; the calling thread is one of them. Where the system allows no more, there are fewer.
   // priority: of the threads that it starts.
   explicit WorkerPool(int threads, ThreadPriority priority = ThreadPriority::Usual);
   ~WorkerPool();

@@ -1,6 +1,8 @@
 // Loops of a pool: every index once, each thread its own part first, and nobody waits for a slow one.
 #include "hal/core/worker_pool.h"
 
+#include <pthread.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -42,6 +44,37 @@ TEST_CASE("a pool takes every index once, whatever the count and the number of t
         for (const auto& n : times) REQUIRE(n == 1);
       }
   }
+}
+
+// As long as it lives the system starts no thread: none has an address space for such a stack.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    REQUIRE(pthread_getattr_default_np(&usual_) == 0);
+    pthread_attr_t huge;
+    REQUIRE(pthread_attr_init(&huge) == 0);
+    REQUIRE(pthread_attr_setstacksize(&huge, std::size_t{1} << 50) == 0);
+    REQUIRE(pthread_setattr_default_np(&huge) == 0);
+    pthread_attr_destroy(&huge);
+  }
+  ~NoMoreThreads() {
+    pthread_setattr_default_np(&usual_);
+    pthread_attr_destroy(&usual_);
+  }
+  NoMoreThreads(const NoMoreThreads&) = delete;
+  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
+
+ private:
+  pthread_attr_t usual_;
+};
+
+TEST_CASE("where the system starts no more threads a pool does with those that it has") {
+  const NoMoreThreads none;
+  WorkerPool pool(5);
+  CHECK(pool.threads() == 1);
+  std::vector<int> times(64);
+  pool.for_each(64, [&](int i) { ++times[static_cast<std::size_t>(i)]; });
+  CHECK(times == std::vector<int>(64, 1));
 }
 
 TEST_CASE("a thread has the same part of the indices in every loop, the calling thread the first") {
