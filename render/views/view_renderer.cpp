@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "render/views/cubic_between_pixels.h"
+#include "render/views/pixel_area.h"
 
 namespace hdrcam {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 struct Sight {
   const Keyframe* key;
   float x, y, inverse_depth, rank, weight;
+  float side_px;  // of the square of the source's pixels that a pixel of the view covers
 };
 
 struct Sights {
@@ -39,6 +41,24 @@ void leave_out_hidden(Sights& sights) {
     sights.keep_only(1);
 }
 
+// What one source shows there: its picture between its pixels, or, where the view reduces it, the mean over
+// the pixels that one of the view covers.
+struct Shown {
+  float radiance[3], sigma;
+};
+
+Shown shown_by(const Sight& sight) {
+  constexpr float kReduced_px = 1.25f;  // fine texture hardly aliases below it, and stays sharp
+  const HdrFrame& seen = sight.key->frame;
+  if (sight.side_px > kReduced_px) {
+    const PixelArea area(sight.x, sight.y, sight.side_px, seen.radiance.rows(), seen.radiance.cols());
+    return {{area.mean(seen.radiance, 0), area.mean(seen.radiance, 1), area.mean(seen.radiance, 2)},
+            area.mean(seen.sigma, 0)};
+  }
+  const CubicBetweenPixels at(seen.radiance, sight.x, sight.y);
+  return {{at.value(0), at.value(1), at.value(2)}, seen.sigma.at(0, at.nearest_row(), at.nearest_col())};
+}
+
 // The mean of the sights at a pixel of the view; its provenance is that of the one that counts most.
 void show(Sights& sights, int y, int x, HdrFrame& frame) {
   const std::size_t count = sights.count;
@@ -48,11 +68,11 @@ void show(Sights& sights, int y, int x, HdrFrame& frame) {
   float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Sight& sight = of[i];
-    const CubicBetweenPixels at(sight.key->frame.radiance, sight.x, sight.y);
+    const Shown shown = shown_by(sight);
     const float weight = sight.weight / sum;
-    for (int c = 0; c < 3; ++c) radiance[c] += weight * at.value(c);
+    for (int c = 0; c < 3; ++c) radiance[c] += weight * shown.radiance[c];
     inverse_depth += weight * sight.inverse_depth;
-    sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
+    sigma += weight * shown.sigma;
   }
   const Sight& most = of[count == 2 && of[1].weight > of[0].weight ? 1 : 0];
   const CubicBetweenPixels at(most.key->frame.radiance, most.x, most.y);
@@ -141,7 +161,8 @@ void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
                                    source.answer.source.at(1, y, x),
                                    source.answer.inverse.at(0, y, x),
                                    source.answer.rank.at(0, y, x),
-                                   shares[i]};
+                                   shares[i],
+                                   1 / source.answer.size.at(0, y, x)};
     }
     return sights;
   };

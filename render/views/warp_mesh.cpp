@@ -60,6 +60,7 @@ void draw(const Corner& a, const Corner& b, const Corner& c, const MeshOptions& 
       if (rank <= best) continue;
       best = rank;
       band.answer->inverse.at(0, y, x) = wa * a.inverse + wb * b.inverse + wc * c.inverse;
+      band.answer->size.at(0, y, x) = wa * a.size + wb * b.size + wc * c.size;
       band.answer->source.at(0, y, x) = wa * a.u + wb * b.u + wc * c.u;
       band.answer->source.at(1, y, x) = wa * a.v + wb * b.v + wc * c.v;
     }
@@ -101,7 +102,7 @@ float MeshVertices::source(int vertex, int size) {
 void draw_mesh(const MeshVertices& vertices, const MeshOptions& options, int rows, int cols, WorkerPool& pool,
                MeshAnswer& answer) {
   answer.source.reshape(2, rows, cols);
-  answer.inverse.reshape(1, rows, cols), answer.rank.reshape(1, rows, cols);
+  for (Image<float>* plane : {&answer.inverse, &answer.rank, &answer.size}) plane->reshape(1, rows, cols);
   answer.inverse.fill(0);
   answer.rank.fill(std::numeric_limits<float>::lowest());
   constexpr int kBands = 8;  // of the target: each reads all vertices, so more would read them in vain

@@ -29,6 +29,7 @@ struct MeshAnswer {
   Image<float> source;   // [x y, rows, cols] place in the source
   Image<float> inverse;  // [1, rows, cols] inverse depth; 0: a hole
   Image<float> rank;     // [1, rows, cols]
+  Image<float> size;     // [1, rows, cols] of a source pixel, pixels of the target; unset in holes
 };
 
 struct MeshOptions {

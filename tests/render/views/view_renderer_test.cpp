@@ -164,6 +164,45 @@ TEST_CASE("a view of twice the size shows the same scene", "[views]") {
                 .margin(0.02));
 }
 
+TEST_CASE(
+    "a pixel of a reduced view is the mean of the pixels that it covers, so that no fine texture aliases",
+    "[views]") {
+  Keyframe key = seen(0, 0, false);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x)
+      for (int c = 0; c < 3; ++c) key.frame.radiance.at(c, y, x) = (x + 2 * y) % 5 == c ? 20 : 1;
+  const float side_px = GENERATE(4.f, 2.5f);
+  SceneView small = view_from({0, 0, 0});
+  small.rows = static_cast<int>(kRows / side_px), small.cols = static_cast<int>(kCols / side_px);
+  small.lens = {50.0 / side_px, 50.0 / side_px, small.cols / 2.0, small.rows / 2.0};
+  const HdrFrame frame = rendered({&key, nullptr, 0}, small);
+  const auto covered = [&](int pixel, int by) {
+    const auto from = static_cast<float>(by) * side_px, begin = static_cast<float>(pixel);
+    return std::clamp(std::min(begin + 1, from + side_px) - std::max(begin, from), 0.f, 1.f);
+  };
+  for (int y = 0; y < small.rows; ++y)
+    for (int x = 0; x < small.cols; ++x)
+      for (int c = 0; c < 3; ++c) {
+        float mean = 0;
+        for (int v = 0; v < kRows; ++v)
+          for (int u = 0; u < kCols; ++u)
+            mean += covered(v, y) * covered(u, x) * key.frame.radiance.at(c, v, u) / (side_px * side_px);
+        CAPTURE(side_px, y, x, c);
+        CHECK(frame.radiance.at(c, y, x) == Approx(mean).epsilon(3e-3));
+      }
+}
+
+TEST_CASE("from far away a wall is seen without aliasing, too", "[views]") {
+  Keyframe key = seen(0, 0, false);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x)
+      for (int c = 0; c < 3; ++c) key.frame.radiance.at(c, y, x) = (x + 2 * y) % 5 == c ? 20 : 1;
+  const HdrFrame frame = rendered({&key, nullptr, 0}, view_from({0, 0, -12}));  // four times, at a depth of 4
+  for (int y = 16; y < 24; ++y)
+    for (int x = 24; x < 36; ++x)
+      CHECK(frame.radiance.at(1, y, x) == Approx(4.8).margin(1.2));  // between pixels it is often 1
+}
+
 TEST_CASE("a camera half way between two turns half way", "[views]") {
   RigidTransform a, b;
   b.R = rotation(Eigen::Vector3d(0, 0.2, 0)), b.t = {1, 2, 3};
