@@ -180,7 +180,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   TRY(check_number("--shutter-angle", options.shutter_deg, 0, 360));
   plan.speed = options.speed;
   plan.framerate_hz = options.framerate_hz > 0 ? options.framerate_hz : recording.framerate_hz;
-  plan.shutter_s = options.shutter_deg / 360 * plan.speed / plan.framerate_hz;
+  plan.shutter_s = options.shutter_deg / 360 / plan.framerate_hz;
   const double length_s =
       plan.frozen ? (plan.view.is_path() ? plan.view.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
   const double frames = std::floor(length_s * plan.framerate_hz + kNearlyFrame) + 1;
@@ -200,8 +200,8 @@ std::uint64_t view_bytes(const FilmPlan& plan) {
 
 std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording) {
   constexpr std::uint64_t kKeyframe = 90;  // of a pixel: with its depth and both motions
-  const double kept_s =
-      std::min(recording.duration_s, plan.shutter_s + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0));
+  const double kept_s = std::min(recording.duration_s,
+                                 plan.scene_shutter_s() + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0));
   const auto keyframes = static_cast<std::uint64_t>(kept_s * recording.framerate_hz) + 4;
   return kKeyframe * keyframes * pixels(recording.width, recording.height) + view_bytes(plan);
 }

@@ -53,7 +53,7 @@ struct FilmPlan {
   double speed = 1;               // scene seconds in a second of the film
   double framerate_hz = 30;       // of the film
   int frames = 1;
-  double shutter_s = 0;  // scene time that a frame is exposed for; 0: an instant
+  double shutter_s = 0;  // of the film, that a frame is exposed for; 0: an instant
   int width = 0, height = 0;
   double baseline = 0;  // between the eyes, in the scene's unit; 0: one picture
   bool stabilize = false;
@@ -61,6 +61,8 @@ struct FilmPlan {
 
   double playback_s(int frame) const { return frame / framerate_hz; }
   double scene_s(int frame) const { return frozen ? begin_s : begin_s + playback_s(frame) * speed; }
+  // Scene time that passes in it: none where a path is filmed in a frozen moment, so that it alone blurs.
+  double scene_shutter_s() const { return frozen && view.is_path() ? 0 : shutter_s * speed; }
 };
 
 // fit: of the run that films a recording; a snapshot's is done. Errors: Invalid, naming the flag and what it

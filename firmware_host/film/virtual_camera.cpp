@@ -1,7 +1,10 @@
 #include "firmware_host/film/virtual_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "render/views/re_exposure.h"
 #include "render/white_balance.h"
@@ -26,6 +29,30 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
       std::copy_n(left.row(c, y), left.cols(), both.row(c, y));
       std::copy_n(right.row(c, y), left.cols(), both.row(c, y) + left.cols());
     }
+}
+
+// What nearly all of them stay within; 0 where there are none.
+double nearly_greatest(std::vector<float>& values) {
+  if (values.empty()) return 0;
+  const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  std::nth_element(values.begin(), high, values.end());
+  return static_cast<double>(*high);
+}
+
+// How far a point goes in the picture from view to view; 0 where one of them has it behind itself. ray:
+// through it, with a z of 1; views: of the camera that ray and depth are of, as each of them sees it.
+double seen_way_px(const Eigen::Vector3d& ray, double inverse_depth, std::span<const RigidTransform> views,
+                   const Intrinsics& lens) {
+  double way_px = 0;
+  std::optional<Eigen::Vector2d> last_px;
+  for (const RigidTransform& T_view_recorded : views) {
+    const Eigen::Vector3d seen = T_view_recorded.R * ray + T_view_recorded.t * inverse_depth;
+    if (seen.z() < 1e-3) return 0;
+    const Eigen::Vector2d at_px(lens.fx_px * seen.x() / seen.z(), lens.fy_px * seen.y() / seen.z());
+    if (last_px) way_px += (at_px - *last_px).norm();
+    last_px = at_px;
+  }
+  return way_px;
 }
 
 }  // namespace
@@ -76,7 +103,8 @@ Result<void> VirtualCamera::finish(const Show& show) {
 
 VirtualCamera::ExposureInterval VirtualCamera::exposure_of(int frame) const {
   const double centre_s = plan_.first.seconds() + plan_.scene_s(frame);
-  return {centre_s - 0.5 * plan_.shutter_s, centre_s + 0.5 * plan_.shutter_s};
+  const double half_s = 0.5 * plan_.scene_shutter_s();
+  return {centre_s - half_s, centre_s + half_s};
 }
 
 bool VirtualCamera::ready(int frame) const {
@@ -136,49 +164,75 @@ double VirtualCamera::speed_px_s(const Keyframe& before, const Keyframe& after) 
   std::vector<float> lengths;
   for (std::size_t i = 0; i < flow.plane_size(); i += 7)
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
-  const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
-  std::nth_element(lengths.begin(), high, lengths.end());
   const double enlarged = filming_lens(after).fx_px / after.lens.fx_px;
-  return static_cast<double>(*high) * enlarged / (after.time_s - before.time_s);
+  return nearly_greatest(lengths) * enlarged / (after.time_s - before.time_s);
 }
 
-// Enough that nothing moves more than a pixel and a half from one instant to the next: the exposure may lie
-// in many intervals of recorded frames, and the fastest counts.
-int VirtualCamera::instants(const ExposureInterval& exposure) const {
-  constexpr double kStep_px = 1.5;
-  constexpr int kLeast = 3, kMost = 33;
+// How far that is in an exposure, which may lie in many intervals of recorded frames: the fastest counts.
+double VirtualCamera::recorded_way_px(const ExposureInterval& exposure) const {
   double fastest_px_s = 0;
   for (std::size_t i = 1; i < keys_.size(); ++i) {
     const Keyframe &before = *keys_[i - 1], &after = *keys_[i];
     if (after.time_s > exposure.from_s + kSameTime_s && before.time_s < exposure.to_s - kSameTime_s)
       fastest_px_s = std::max(fastest_px_s, speed_px_s(before, after));
   }
-  const double way_px = fastest_px_s * (exposure.to_s - exposure.from_s);
-  return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
+  return fastest_px_s * (exposure.to_s - exposure.from_s);
+}
+
+// How far nearly every pixel of the recorded picture moves in the film's while the path moves the view during
+// an exposure.
+double VirtualCamera::path_way_px(int frame) const {
+  if (!plan_.view.is_path()) return 0;
+  const Keyframe& key = interval_at(plan_.first.seconds() + plan_.scene_s(frame)).nearest();
+  const double half_s = 0.5 * plan_.shutter_s, centre_s = plan_.playback_s(frame);
+  std::array<RigidTransform, 3> views;  // recorded to virtual camera: at the begin, the centre and the end
+  for (std::size_t i = 0; i < views.size(); ++i)
+    views[i] = plan_.view.at(centre_s + half_s * (static_cast<double>(i) - 1)).T_recorded_view().inverse();
+  const Intrinsics lens = filming_lens(key);
+  const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
+  std::vector<float> ways;
+  for (int y = 0; y < rows; y += 3)
+    for (int x = 0; x < cols; x += 3) {
+      const Eigen::Vector3d ray((x + 0.5 - key.lens.cx_px) / key.lens.fx_px,
+                                (y + 0.5 - key.lens.cy_px) / key.lens.fy_px, 1);
+      const auto inverse_depth = static_cast<double>(key.inverse_depth.at(0, y, x));
+      ways.push_back(static_cast<float>(seen_way_px(ray, inverse_depth, views, lens)));
+    }
+  return nearly_greatest(ways);
+}
+
+// Enough that nothing moves more than a pixel and a half from one instant to the next.
+int VirtualCamera::instants(int frame) const {
+  constexpr double kStep_px = 1.5;
+  constexpr int kLeast = 3, kMost = 33;
+  const double way_px = recorded_way_px(exposure_of(frame)) + path_way_px(frame);
+  return std::clamp(static_cast<int>(std::ceil(std::min(way_px / kStep_px, 1.0 * kMost))), kLeast, kMost) | 1;
 }
 
 // One eye's frame: the mean of the instants of its exposure; everything but the radiance is the centre's.
 void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
   const ExposureInterval exposure = exposure_of(frame);
   const Keyframe& newest = *keys_.back();
-  const double playback_s = plan_.playback_s(frame);
   SceneView view;
   view.rows = plan_.height, view.cols = plan_.width;
   view.lens = filming_lens(newest);
-  const auto show_at = [&](double time_s, HdrFrame& picture) {
+  const auto show_at = [&](double time_s, double playback_s, HdrFrame& picture) {
     const KeyframeInterval interval = interval_at(time_s);
     view.T_world_camera = T_world_view(interval, playback_s, eye);
     const bool known = interval.nearest().world == newest.world;
     renderer_.render(interval, view, known ? field_ : SnapshotHold(), picture);
   };
   const double centre_s = 0.5 * (exposure.from_s + exposure.to_s);
-  show_at(centre_s, out);
+  const double playback_s = plan_.playback_s(frame);
+  show_at(centre_s, playback_s, out);
   if (!(plan_.shutter_s > 0)) return;
-  const int count = instants(exposure);
+  const int count = instants(frame);
   sum_.copy_from(out.radiance);
   for (int i = 0; i < count; ++i) {
     if (i == count / 2) continue;  // the centre
-    show_at(exposure.from_s + (i + 0.5) / count * (exposure.to_s - exposure.from_s), instant_);
+    const double share = (i + 0.5) / count;
+    show_at(exposure.from_s + share * (exposure.to_s - exposure.from_s),
+            playback_s + (share - 0.5) * plan_.shutter_s, instant_);
     for (std::size_t p = 0; p < sum_.size(); ++p) sum_.samples()[p] += instant_.radiance.samples()[p];
   }
   for (std::size_t p = 0; p < sum_.size(); ++p)

@@ -42,7 +42,7 @@ class VirtualCamera {
   double filled_share() const { return pixels_ > 0 ? filled_ / pixels_ : 0; }
 
  private:
-  struct ExposureInterval {  // empty where the frame shows one instant
+  struct ExposureInterval {  // of scene time; empty where it stands still, or the frame shows one instant
     double from_s, to_s;
   };
   ExposureInterval exposure_of(int frame) const;
@@ -52,7 +52,9 @@ class VirtualCamera {
   KeyframeInterval interval_at(double time_s) const;
   RigidTransform T_world_view(const KeyframeInterval& interval, double playback_s, double eye) const;
   double speed_px_s(const Keyframe& before, const Keyframe& after) const;
-  int instants(const ExposureInterval& exposure) const;
+  double recorded_way_px(const ExposureInterval& exposure) const;
+  double path_way_px(int frame) const;
+  int instants(int frame) const;
   void expose(int frame, double eye, HdrFrame& out);
   void join_eyes();
   void label(int frame);

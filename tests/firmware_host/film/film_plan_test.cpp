@@ -92,7 +92,15 @@ TEST_CASE("the times of a film count from the time stamp of the recording's firs
 
 TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]") {
   const FilmPlan plan = planned({.speed = 0.5, .shutter_deg = 180}).value();
-  CHECK(plan.shutter_s == Approx(0.5 * 0.5 / 30));
+  CHECK(plan.shutter_s == Approx(0.5 / 30));
+  CHECK(plan.scene_shutter_s() == Approx(0.5 * 0.5 / 30));
+  FilmPlan frozen = planned({.time = "0.5", .shutter_deg = 180}).value();
+  CHECK(frozen.scene_shutter_s() == Approx(0.5 / 30));  // a photograph
+  const std::string path = sample::scratch_folder("film_shutter") + "/p.csv";
+  std::ofstream(path) << "time_s,dx\n0,0\n1,0.1\n";
+  frozen = planned({.path = path, .time = "0.5", .shutter_deg = 180}).value();
+  CHECK(frozen.shutter_s == Approx(0.5 / 30));
+  CHECK(frozen.scene_shutter_s() == 0);
 }
 
 TEST_CASE("an exposure makes 8-bit pictures, at the reference exposure where none is named", "[film]") {

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "tests/support/scratch_folder.h"
 
 #include <catch2/catch.hpp>
 
@@ -127,6 +131,13 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
   REQUIRE(camera.finish(show).ok());
   CHECK(camera.done());
   return shown;
+}
+
+// Moves the view to the right by so much in a second.
+ViewPath sideways(double shift) {
+  const std::string path = test::scratch_folder("film_sideways") + "/path.csv";
+  std::ofstream(path) << "time_s,dx\n0,0\n1," << shift << "\n";
+  return ViewPath::read_path(posix_storage(), path).value();
 }
 
 FilmPlan planned(double begin_s, int frames, double framerate_hz) {
@@ -281,4 +292,33 @@ TEST_CASE("an exposure over many recorded frames is as smooth as the fastest of 
   float mean = 0;
   for (const Shown& moment : moments) mean += moment.middle / static_cast<float>(moments.size());
   CHECK(filmed(plan, recorded).front().middle == Approx(mean).margin(0.3));
+}
+
+TEST_CASE("a view that a path moves is blurred by its motion, also where time stands still", "[film]") {
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 0, .edges_px = 0},
+                               {.time_s = 1, .radiance = 0, .edges_px = 0}};
+  FilmPlan moments = planned(0, 101, 100);
+  moments.frozen = GENERATE(false, true);
+  moments.view = sideways(24.0 / kCols);  // by 24 pixels, at the field's depth of 1
+  float mean = 0;
+  const std::vector<Shown> sharp = filmed(moments, recorded);
+  for (std::size_t i = 25; i <= 75; ++i) mean += sharp[i].middle / 51;
+  FilmPlan plan = moments;
+  plan.frames = 2, plan.framerate_hz = 2, plan.shutter_s = 0.5;
+  CAPTURE(plan.frozen);
+  CHECK(filmed(plan, recorded)[1].middle == Approx(mean).margin(0.3));
+  CHECK(sharp[50].middle != Approx(mean).margin(0.5));
+}
+
+TEST_CASE("where a path is filmed in a moment that stands still nothing that was recorded moves", "[film]") {
+  FilmPlan plan = planned(0.125, 1, 4);
+  plan.frozen = true;
+  plan.view = sideways(0);
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 0, .texture_px = 0},
+                               {.time_s = 0.25, .radiance = 0, .texture_px = 6}};
+  const float sharp = filmed(plan, recorded).front().middle;
+  plan.shutter_s = 0.25;
+  CHECK(filmed(plan, recorded).front().middle == Approx(sharp));
+  plan.view = {};
+  CHECK(filmed(plan, recorded).front().middle != Approx(sharp).margin(0.05));  // a photograph
 }
