@@ -229,6 +229,30 @@ std::shared_ptr<CLI::App> command_line(Verb& chosen, std::shared_ptr<SettingsFla
   return app;
 }
 
+bool takes_value(const CLI::App& verb, const std::string& flag) {
+  const CLI::Option* option = verb.get_option_no_throw(flag);
+  return option != nullptr && option->get_items_expected_max() > 0;
+}
+
+// The words as the parser takes them. CLI11 takes the word behind "--view=" for its value, which is empty.
+std::vector<std::string> words_of(const CLI::App& app, std::span<const char* const> args) {
+  std::vector<std::string> words;
+  const CLI::App* verb = &app;
+  bool flags_may_follow = true;
+  for (const std::string word : args) {
+    for (const CLI::App* inner : verb->get_subcommands(nullptr))
+      if (inner->get_name() == word) verb = inner;
+    flags_may_follow &= word != "--";
+    const std::size_t equals = word.find('=');
+    const bool is_empty = flags_may_follow && word.starts_with("--") && equals + 1 == word.size();
+    if (is_empty && takes_value(*verb, word.substr(0, equals)))
+      words.insert(words.end(), {word.substr(0, equals), ""});
+    else
+      words.push_back(word);
+  }
+  return words;
+}
+
 // --log-format json on the command line holds from the first line on, also for what is wrong with the command
 // line itself.
 bool wants_json(std::span<const char* const> args) {
@@ -300,7 +324,9 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
   if (!first.starts_with('-') && std::find(known.begin(), known.end(), first) == known.end())
     return unknown_verb(first);
   try {
-    app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+    std::vector<std::string> words = words_of(app, args);
+    std::ranges::reverse(words);  // as CLI11 wants them
+    app.parse(std::move(words));
   } catch (const CLI::CallForHelp&) {
     const auto chosen = app.get_subcommands();
     return Request{nullptr, {}, chosen.empty() ? help_text(app) : chosen.front()->help("hdrcam")};

@@ -132,6 +132,21 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
              Contains("unknown flag '--shutter' (a flag of ") && Contains("record") && Contains("import"));
 }
 
+TEST_CASE("a flag whose value is empty behind its equals sign takes no other word for it") {
+  const auto told = [](const std::vector<std::string>& words) { return ran_here(words).err; };
+  CHECK_THAT(told({"render", "no.mkv", "--view=", "-o", "o/%06d.exr"}), Contains("'no.mkv' does not exist"));
+  CHECK_THAT(told({"replay", "--stats=", "no.mkv", "-o", "o/%06d.exr"}),
+             Contains("--stats takes the name of a file or a folder, not ''"));
+  CHECK_THAT(told({"simulate", "--frames=", "walk"}),
+             Contains("--frames takes a whole number, 1 to 1000000, not ''"));
+  CHECK_THAT(told({"replay", "no.mkv", "--set=", "steps=0"}), Contains("unexpected argument 'steps=0'"));
+  CHECK_THAT(told({"bench", "pareto", "noclip", "--output=", "o"}),
+             Contains("--output takes the name of a file or a folder, not ''"));
+  CHECK_THAT(told({"replay", "no.mkv", "--viw=", "-o", "o/%06d.exr"}), Contains("unknown flag '--viw'"));
+  CHECK_THAT(told({"info", "--json=", "no.mkv"}), Contains("'no.mkv' does not exist"));  // a switch
+  CHECK_THAT(told({"info", "--", "--stats="}), Contains("'--stats=' does not exist"));
+}
+
 TEST_CASE("a flag that may be repeated takes one word each time, and the word behind it is an argument") {
   const RanHere replay =
       ran_here({"replay", "--set", "steps=0", "no.mkv", "-o", "o/%06d.exr", "--set=hidden=8"});
