@@ -117,7 +117,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
     const FrameFacts& facts = (**frame).facts;
     if (!start) start = facts.timestamp;
     TRY(clip.append(**frame));
-    add(facts, clip.last_path(), *start, posed);
+    if (with_poses) add(facts, clip.last_path(), *start, posed);
   }
   if (frames == 0) {
     TRY(ended);

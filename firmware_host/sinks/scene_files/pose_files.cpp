@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kMostPictures = 100'000;
 constexpr std::size_t kFramesWithPoints = 32;
+constexpr std::size_t kWorldsWithPoints = 3;
 constexpr std::string_view kBlanks = " \t\n\v\f\r";
 
 std::optional<FramePattern> pattern_of(const std::string& text, std::string_view extension) {
@@ -52,14 +53,16 @@ class PoseFile : public FrameSink {
     picture.T_world_camera = frame.pose->T_world_camera;
     picture.world = frame.pose->world;
     clip_.pictures.push_back(std::move(picture));
+    ++worlds_[frame.pose->world].pictures;
+    forget_smallest_world(frame.pose->world);
     take_points(frame);
     return {};
   }
 
   Result<void> conclude(const RunRecord&) override {
     if (clip_.pictures.empty()) return none_posed();
-    for (const auto& [world, frames] : points_)
-      for (const std::vector<ColouredPoint>& points : frames)
+    for (const auto& [number, world] : worlds_)
+      for (const std::vector<ColouredPoint>& points : world.points)
         clip_.points.insert(clip_.points.end(), points.begin(), points.end());
     // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
     keep_pictures([&](const PosedPicture& picture) { return was_written(picture.path); });
@@ -97,7 +100,7 @@ class PoseFile : public FrameSink {
   void take_points(const HdrFrame& frame) {
     if (frame.points.empty()) return;
     const ToneCurve& curve = tone_.follow(frame.radiance);
-    std::deque<std::vector<ColouredPoint>>& frames = points_[frame.pose->world];
+    std::deque<std::vector<ColouredPoint>>& frames = worlds_[frame.pose->world].points;
     std::vector<ColouredPoint>& points = frames.emplace_back();
     for (const SurfacePoint& point : frame.points) {
       ColouredPoint coloured{point.p_world, {}, clip_.pictures.size() - 1, point.u_px, point.v_px};
@@ -105,6 +108,17 @@ class PoseFile : public FrameSink {
       points.push_back(coloured);
     }
     if (frames.size() > kFramesWithPoints) frames.pop_front();
+  }
+
+  // A run may begin anew without end: only what the largest worlds saw is kept, beside the present one's.
+  void forget_smallest_world(int present) {
+    if (worlds_.size() <= kWorldsWithPoints) return;
+    auto smallest = worlds_.end();
+    for (auto world = worlds_.begin(); world != worlds_.end(); ++world)
+      if (world->first != present &&
+          (smallest == worlds_.end() || world->second.pictures < smallest->second.pictures))
+        smallest = world;
+    worlds_.erase(smallest);
   }
 
   bool was_written(const std::string& picture) const {
@@ -144,6 +158,11 @@ class PoseFile : public FrameSink {
         flag_, clip_.pictures.size(), all);
   }
 
+  struct World {
+    std::size_t pictures = 0;
+    std::deque<std::vector<ColouredPoint>> points;  // of its newest frames that have any
+  };
+
   Storage& storage_;
   const std::string flag_;
   const FramePattern pictures_;
@@ -152,8 +171,7 @@ class PoseFile : public FrameSink {
   std::optional<Instant> start_;
   bool begun_ = false;
   PosedClip clip_;
-  // By world, of its newest frames that have any.
-  std::map<int, std::deque<std::vector<ColouredPoint>>> points_;
+  std::map<int, World> worlds_;
   ToneAdaptation tone_;
 };
 

@@ -180,6 +180,27 @@ TEST_CASE("a model has the poses of one world, of that with most pictures, and o
   }
 }
 
+TEST_CASE("however often tracking begins anew, points are kept of the largest worlds alone") {
+  const std::string folder = sample::scratch_folder("pose_files_many_worlds");
+  auto colmap = create_colmap(posix_storage(), folder + "/colmap", {folder + "/%02d.png", ""});
+  REQUIRE(colmap.ok());
+  const bool large = GENERATE(true, false);  // the first world, whose pictures alone are written
+  const int pictures_of_first = large ? 3 : 1;
+  std::uint64_t sequence = 0;
+  for (int world = 0; world < 9; ++world)
+    for (int i = 0; i < (world == 0 ? pictures_of_first : 2); ++i, ++sequence) {
+      HdrFrame frame = posed_frame(sequence);
+      frame.pose->world = world;
+      frame.points.push_back({{0, 0, 5}, 10.5, 8.5, {1, 1, 1}});
+      REQUIRE(test::emit(*colmap.value(), frame).ok());
+      if (world == 0) write_picture(folder + "/0" + std::to_string(sequence) + ".png");
+    }
+  REQUIRE((colmap.value()->finish().ok() && colmap.value()->conclude({}).ok()));
+  const auto model = test::read_colmap(folder + "/colmap");
+  CHECK(model.images.size() == static_cast<std::size_t>(pictures_of_first));
+  CHECK(model.points.size() == (large ? 3U : 0U));
+}
+
 TEST_CASE("a full disk ends the run with its own error and leaves no half of a file") {
   const std::string folder = sample::scratch_folder("pose_files_full");
   FaultyStorage full(posix_storage(), test::disk_of(100));
