@@ -92,6 +92,34 @@ TEST_CASE("a verb of the front end that takes no argument refuses one and does n
   CHECK_FALSE(checkout.has("tree/out"));
 }
 
+TEST_CASE("a time to fuzz for that is no number of seconds is refused before anything is built") {
+  const Checkout checkout("run_fuzz_seconds");
+  fs::create_directories(checkout.place() + "/tree/tests/fuzz");
+  std::ofstream(checkout.place() + "/tree/tests/fuzz/toml_fuzz.cpp") << "// a target\n";
+  checkout.replace("cmake", "echo built");
+  for (const char* seconds : {"abc", "0", "1.5", "-3", "10 more"}) {
+    const Ran said = checkout.shell("tree", fmt::format("./run fuzz toml {}", seconds));
+    CHECK(said.exit_code == 1);
+    CHECK(said.output ==
+          fmt::format("run: fuzz takes a target and whole seconds, 1 or more, not '{}'\n", seconds));
+  }
+}
+
+TEST_CASE(
+    "the builds of all checks are seen, packages installed without asking or not; on a build machine they "
+    "are quiet") {
+  const Checkout checkout("run_check_builds");
+  checkout.replace("cmake", "echo \"cmake $*\"");
+  for (const char* seen : {"CI= ./run check", "CI=false ./run check", "CI= ./run --yes check"}) {
+    const Ran said = checkout.shell("tree", seen);
+    INFO(said.output);
+    CHECK_THAT(said.output, Contains("cmake --build") && !Contains("--quiet"));
+  }
+  const Ran quiet = checkout.shell("tree", "CI=true ./run check");
+  INFO(quiet.output);
+  CHECK_THAT(quiet.output, Contains("cmake --build") && Contains("--quiet"));
+}
+
 TEST_CASE("what is interrupted ends: no later check begins, and no later clip is scored") {
   const Checkout checkout("run_interrupted");
   // ^C goes to all programs of a terminal; one that handles it ends with a code of its own.
