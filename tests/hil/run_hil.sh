@@ -52,27 +52,34 @@ fetch() {
 
 # Debian's kernel lacks vimc and gpio-sim; they are built from its own source.
 build_modules() {
-  local headers=$cache/build/usr/src/linux-headers-$release source=linux-source-6.1 module
-  sed -i "s#^include /usr/src#include $cache/build/usr/src#" "$headers/Makefile"
+  local place=$cache source=linux-source-6.1 module
+  if [[ $cache =~ [[:space:]] ]]; then # make knows no path with a blank
+    place=$(mktemp -d /tmp/hil.XXXXXX)
+    # shellcheck disable=SC2064 # the place that it is now
+    trap "rm -rf '$place'" EXIT
+    cp -r build "$place/"
+  fi
+  local headers=$place/build/usr/src/linux-headers-$release modules=$place/modules
+  sed -i "s#^include .*/usr/src#include $place/build/usr/src#" "$headers/Makefile"
   tar -xJf build/usr/src/$source.tar.xz --wildcards "$source/drivers/media/test-drivers/vimc/*" "$source/drivers/gpio/*" \
     "$source/kernel/irq/irq_sim.c"
-  rm -rf modules
-  mkdir -p modules/{vimc,gpio-sim,hilfw}
-  cp $source/drivers/media/test-drivers/vimc/* modules/vimc/
-  sed -i 's/\$(CONFIG_VIDEO_VIMC)/m/' modules/vimc/Makefile
-  python3 "$here/modules/patch_vimc.py" modules/vimc/vimc-sensor.c
+  rm -rf "$modules"
+  mkdir -p "$modules"/{vimc,gpio-sim,hilfw}
+  cp $source/drivers/media/test-drivers/vimc/* "$modules/vimc/"
+  sed -i 's/\$(CONFIG_VIDEO_VIMC)/m/' "$modules/vimc/Makefile"
+  python3 "$here/modules/patch_vimc.py" "$modules/vimc/vimc-sensor.c"
   # gpio-sim needs the kernel's irq_sim, which Debian leaves out: one module of both.
-  cp $source/drivers/gpio/*.h modules/gpio-sim/
-  cp $source/drivers/gpio/gpio-sim.c modules/gpio-sim/gpio_sim.c
-  sed 's/handle_simple_irq(irq_to_desc(irqnum))/generic_handle_irq(irqnum)/' $source/kernel/irq/irq_sim.c > modules/gpio-sim/irq_sim.c
-  printf 'obj-m := gpio-sim.o\ngpio-sim-y := gpio_sim.o irq_sim.o\n' > modules/gpio-sim/Makefile
-  cp "$here/modules/hilfw.c" modules/hilfw/
-  echo 'obj-m := hilfw.o' > modules/hilfw/Makefile
+  cp $source/drivers/gpio/*.h "$modules/gpio-sim/"
+  cp $source/drivers/gpio/gpio-sim.c "$modules/gpio-sim/gpio_sim.c"
+  sed 's/handle_simple_irq(irq_to_desc(irqnum))/generic_handle_irq(irqnum)/' $source/kernel/irq/irq_sim.c > "$modules/gpio-sim/irq_sim.c"
+  printf 'obj-m := gpio-sim.o\ngpio-sim-y := gpio_sim.o irq_sim.o\n' > "$modules/gpio-sim/Makefile"
+  cp "$here/modules/hilfw.c" "$modules/hilfw/"
+  echo 'obj-m := hilfw.o' > "$modules/hilfw/Makefile"
   mkdir -p "$tree/extra"
   for module in vimc gpio-sim hilfw; do
-    make -C "$headers" M="$cache/modules/$module" modules > modules/$module.log 2>&1 ||
-      { tail modules/$module.log; setup_failed "the kernel module $module does not build"; }
-    strip -g -o "$tree/extra/$module.ko" modules/$module/$module.ko
+    make -C "$headers" M="$modules/$module" modules > "$module.log" 2>&1 ||
+      { tail "$module.log"; setup_failed "the kernel module $module does not build"; }
+    strip -g -o "$tree/extra/$module.ko" "$modules/$module/$module.ko"
   done
   local libraries=guest/lib/x86_64-linux-gnu:guest/usr/lib/x86_64-linux-gnu
   guest/lib64/ld-linux-x86-64.so.2 --argv0 depmod --library-path $libraries guest/bin/kmod -b "$cache/kernel" "$release"
