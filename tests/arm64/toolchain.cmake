@@ -16,7 +16,8 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 # Debian's OpenCV finds its linear algebra through alternatives, which only an installation sets.
 set(linear_algebra "")
 foreach(folder blas lapack)
-  string(APPEND linear_algebra " -Wl,-rpath-link,${HDRCAM_ARM64_ROOT}/usr/lib/aarch64-linux-gnu/${folder}")
+  # quoted: the flags reach a shell as they are, and the folder may have a blank
+  string(APPEND linear_algebra " \"-Wl,-rpath-link,${HDRCAM_ARM64_ROOT}/usr/lib/aarch64-linux-gnu/${folder}\"")
 endforeach()
 set(CMAKE_EXE_LINKER_FLAGS_INIT "${linear_algebra}")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "${linear_algebra}")
