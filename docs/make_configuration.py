@@ -6,6 +6,9 @@ import re
 import subprocess
 import sys
 
+if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+    sys.exit(__doc__)
+
 root = pathlib.Path(__file__).resolve().parent.parent
 titles = {"camera": "Camera", "schedule": "Schedule", "sync": "Sync and trigger lines", "fit": "Fit", "knobs": "Knobs",
           "output": "Output", "video": "Video", "record": "Recording", "machine": "Machine"}
@@ -14,8 +17,11 @@ source = "".join((root / "firmware_host" / name).read_text()
 
 
 def printed(*flags):
-    return subprocess.run([sys.argv[1], "live", "--print-config", *flags], capture_output=True, text=True,
-                          check=True).stdout
+    try:
+        return subprocess.run([sys.argv[1], "live", "--print-config", *flags], capture_output=True, text=True,
+                              check=True).stdout
+    except (OSError, subprocess.CalledProcessError) as failed:
+        sys.exit(f"make_configuration.py: '{sys.argv[1]}' prints no settings: {failed}")
 
 
 def knobs_of(preset):

@@ -9,7 +9,12 @@ DORF.csv holds one camera curve a row (Grossberg & Nayar, "What is the space of 
 """
 import sys
 
-import numpy as np
+if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+    sys.exit(__doc__)
+try:
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"make_dorf_prior.py: {missing}; it needs Debian's python3-numpy")
 
 DIRECTIONS = 20  # what is left is far below the free part of the prior (.004)
 curves = np.loadtxt(sys.argv[1], delimiter=",")

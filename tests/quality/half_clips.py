@@ -1,11 +1,25 @@
 """A clip with ground truth of which every second frame is left out, for pictures between the frames."""
 import json
+import shlex
 import statistics
 import subprocess
+import sys
 
 
 def run(*words):
-    subprocess.run([str(word) for word in words], check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    """A program that fails ends the script in a sentence."""
+    words = [str(word) for word in words]
+    try:
+        ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    except OSError as failed:
+        sys.exit(f"'{words[0]}' does not start: {failed.strerror}")
+    if ended.returncode != 0:
+        sys.exit(f"'{shlex.join(words)}' failed: {ended.stderr.decode().strip()}")
+
+
+def refuse_without_truth(clip):
+    if not (clip / "gt" / "gt.json").exists():
+        sys.exit(f"'{clip}' is no clip with ground truth (clip.json, ldr/ and gt/)")
 
 
 def half_of(clip, folder):

@@ -13,10 +13,13 @@ import sys
 import tempfile
 
 os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import cv2
-import numpy as np
+try:
+    import cv2
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"novel_time.py: {missing}; it needs Debian's python3-opencv")
 
-from half_clips import half_of, run, score
+from half_clips import half_of, refuse_without_truth, run, score
 
 
 def read(path):
@@ -49,6 +52,7 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for all pictures")
     cut = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     given, flags = parser.parse_args(sys.argv[1:cut]), sys.argv[cut + 1:]
+    refuse_without_truth(given.clip)
     with tempfile.TemporaryDirectory() as scratch:
         place = given.keep or pathlib.Path(scratch)
         place.mkdir(parents=True, exist_ok=True)

@@ -13,8 +13,11 @@ import sys
 from dataclasses import dataclass
 
 os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import cv2  # noqa: E402
-import numpy as np  # noqa: E402
+try:
+    import cv2
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"panned_brackets.py: {missing}; it needs Debian's python3-opencv")
 
 ROWS, COLS = 240, 320
 BASE_S = 0.002  # exposure time of 0 EV

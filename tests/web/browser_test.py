@@ -191,6 +191,8 @@ def check_many_clients(program):
 
 
 def main():
+    if len(sys.argv) not in (2, 3):
+        sys.exit(__doc__)
     hdrcam = sys.argv[1]
     with tempfile.TemporaryDirectory(prefix='hdrcam-web-') as folder:
         program = Program(hdrcam, folder)

@@ -51,7 +51,9 @@ def capture_ends_us(trace):
 
 
 def main():
-    hdrcam, seconds, flags = sys.argv[1], float((sys.argv[2:] or [10])[0]), sys.argv[3:]
+    if len(sys.argv) < 2 or not all(word.isdigit() and int(word) > 0 for word in sys.argv[2:3]):
+        sys.exit(__doc__)
+    hdrcam, seconds, flags = sys.argv[1], int((sys.argv[2:] or [10])[0]), sys.argv[3:]
     alone, crowded, pictures, turns = Figures(), Figures(), [0] * LOOKING, []
     with tempfile.TemporaryDirectory(prefix='hdrcam-clients-') as folder:
         begin = time.monotonic()

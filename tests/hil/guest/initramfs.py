@@ -59,4 +59,6 @@ def main(out, version, root, busybox, init, *modules):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 6:
+        sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -9,8 +9,11 @@ import os
 import sys
 
 os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import cv2
-import numpy as np
+try:
+    import cv2
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"reference_scores.py: {missing}; it needs Debian's python3-opencv")
 
 LUMINANCE_BGR = np.array([0.0722, 0.7152, 0.2126], np.float32)
 PU21 = [0.353487901, 0.3734658629, 8.277049286e-05, 0.9062562627, 0.09150303166, 0.9099517204, 596.3148142]
@@ -103,5 +106,7 @@ def scores(clip, out, skip=1):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) not in (3, 4) or not all(skip.isdigit() for skip in sys.argv[3:]):
+        sys.exit(__doc__)
     for name, value in scores(sys.argv[1], sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 1).items():
         print(name, value)
