@@ -142,3 +142,27 @@ TEST_CASE("what is interrupted ends: no later check begins, and no later clip is
   CHECK(quality.exit_code == 130);
   CHECK_THAT(quality.output, Contains("one") && !Contains("two"));
 }
+
+TEST_CASE("mutants that are interrupted while a test runs end with it, and no later mutant begins") {
+  const Checkout checkout("run_mutants_interrupted");
+  const std::string tree = checkout.place() + "/tree", ended = checkout.place() + "/ended";
+  fs::create_directories(tree + "/tests/mutants");
+  fs::copy_file(HDRCAM_SOURCE_DIR "/tests/mutants/run_mutants.sh", tree + "/tests/mutants/run_mutants.sh");
+  for (const char* name : {"one", "two"})
+    std::ofstream(tree + "/tests/mutants/" + name + ".patch") << "Fault: a fault\nTest: a test\n--- a\n";
+  checkout.replace("git", "find run tests -type f");
+  checkout.replace("patch", "true");
+  fs::create_directories(tree + "/build/mutants/build/release/tests");
+  // ^C goes to the group of the front end, whose number is the session's; a test that hears of it says so.
+  test::write_program(tree + "/build/mutants/build/release/tests/hdrcam_tests",
+                      "case $1 in --list*) echo 'a test'; exit 1 ;; --abort) ;; *) exit 0 ;; esac\n"
+                      "trap 'echo ended >" +
+                          ended +
+                          "; exit 1' TERM\n"
+                          "kill -INT -$(cut -d' ' -f6 /proc/$$/stat)\nsleep 20 & wait");
+  const Ran said = checkout.shell("tree", "env --default-signal=INT setsid --wait ./run mutants");
+  INFO(said.output);
+  CHECK(said.exit_code == 130);
+  CHECK_THAT(said.output, Contains("verdict") && !Contains("two"));
+  CHECK(fs::exists(ended));
+}

@@ -2,6 +2,8 @@
 # Puts the deliberate faults of this folder into a copy of the tree, one after the other, and fails where the named tests
 # stay green. ./run mutants [NAME..] calls it; README.md says what a mutant is and how to add one.
 set -euo pipefail
+# Compilers end in order at ^C, and what is next would begin. The copy may then hold a fault; the next run writes it anew.
+trap 'exit 130' INT
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 copy=build/mutants
@@ -32,10 +34,19 @@ build_copy() { cmake --build "$copy/build/release" --target hdrcam_tests >"$copy
 
 # A name as Catch2 takes it: a comma would separate, a bracket open a tag.
 escaped() { printf '%s' "$1" | sed 's/[\\,[]/\\&/g'; }
-run_test() { timeout "$limit_s" "$tests" --abort "$(escaped "$1")" >"$copy/build/$2.log" 2>&1; }
+# timeout ends the test with all that it started, by a process group of its own, which ^C does not reach: it is awaited.
+run_test() {
+  local running
+  env --default-signal=INT,QUIT timeout "$limit_s" "$tests" --abort "$(escaped "$1")" >"$copy/build/$2.log" 2>&1 &
+  running=$!
+  # shellcheck disable=SC2064 # the process that runs now
+  trap "kill $running; wait $running || true; exit 130" INT
+  wait "$running"
+}
 
 # try NAME: prints the verdict; returns 1 unless every named test fails.
 try() {
+  trap 'exit 130' INT # a subshell of its own
   local name=$1 patch=tests/mutants/$1.patch verdict=caught survived='' hung='' test
   if ! patch --dry-run --force --silent -p1 -d "$copy" <"$patch" >/dev/null; then
     echo 'PATCH NO LONGER APPLIES'
@@ -70,6 +81,7 @@ export CI=true
 ! command -v mold >/dev/null || export LDFLAGS=-fuse-ld=mold # each mutant links two programs
 sync_copy
 mkdir -p "$copy/build"
+echo "mutants: builds the tree without a fault and runs the named tests; log: $copy/build/unmutated.log" >&2
 (cd "$copy" && ./run build hdrcam_tests) >"$copy/build/unmutated.log" 2>&1 || { cat "$copy/build/unmutated.log" >&2; fail "the tree itself does not build"; }
 mapfile -t named < <(for name in "${names[@]}"; do field Test "tests/mutants/$name.patch"; done | sort -u)
 filter=''
