@@ -39,15 +39,33 @@ printf '%s\n' "${recordings[@]}" >"$out/recordings"
 last=$((${#recordings[@]} - 1))
 threads=2 # of a job: beyond two the fit gains little
 
+# The cluster's jobs go on without this script: at ^C they are cancelled. What is done stays done.
+cancel() {
+  local array
+  trap '' INT TERM HUP
+  array=$(sed -n 's/^Submitted batch job \([0-9]*\).*/\1/p' "$out/slurm-array.log" 2>/dev/null || true)
+  if [ -n "$array" ]; then
+    scancel "$array" || echo "the array goes on; end it with: scancel $array" >&2
+    for _ in $(seq 20); do # a cluster of this machine is stopped next
+      [ -n "$(squeue -h -j "$array" 2>/dev/null)" ] || break
+      sleep 0.5
+    done
+  fi
+  echo "interrupted; run it again for what is not done" >&2
+  exit 130
+}
+
 submit() {
-  local code=0 submitted
+  local code=0
   rm -f "$out"/slurm-*.log # of an earlier array
   # It fails where a job failed, and where none was submitted; then it names no array. A failed recording is in the
   # table; it is no reason to leave the others.
-  submitted=$(stdbuf -oL sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" \
+  trap cancel INT TERM HUP
+  stdbuf -oL sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" \
     --job-name=hdrcam-fleet --output="$out/slurm-%a.log" --export=ALL \
-    --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" | tee >(cat >&2)) || code=$?
-  [ "$code" = 0 ] || [ -n "$submitted" ] || { echo "sbatch failed with $code; no job was submitted" >&2; exit "$code"; }
+    --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" | tee -i "$out/slurm-array.log" >&2 || code=$?
+  trap - INT TERM HUP
+  [ "$code" = 0 ] || [ -s "$out/slurm-array.log" ] || { echo "sbatch failed with $code; no job was submitted" >&2; exit "$code"; }
 }
 
 case "$manner" in

@@ -37,9 +37,11 @@ class Fleet {
     test::write_program(place_ + "/bin/" + name, lines);
   }
   // flags: of run_fleet.sh; frames: what every job leaves.
-  Ran run(const std::string& flags, const std::string& frames) const {
+  // before: what starts the script.
+  Ran run(const std::string& flags, const std::string& frames, const std::string& before = "") const {
     return shell(
-        fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames));
+        fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames),
+        before);
   }
   Ran run_on(const std::string& recording, const std::string& frames = " -- 3") const {
     return shell(fmt::format("run_fleet.sh --plain -o {} {}/{}{}", out(), place_, recording, frames));
@@ -50,9 +52,10 @@ class Fleet {
   bool has(const std::string& file) const { return fs::exists(out() + "/" + file); }
 
  private:
-  Ran shell(const std::string& line) const {
-    return test::shell(fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam '{1}/firmware_host/fleet/'{2}",
-                                   place_, HDRCAM_SOURCE_DIR, line));
+  Ran shell(const std::string& line, const std::string& before = "") const {
+    return test::shell(
+        fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam {3} '{1}/firmware_host/fleet/'{2}", place_,
+                    HDRCAM_SOURCE_DIR, line, before));
   }
 
   const std::string place_;
@@ -225,4 +228,15 @@ TEST_CASE("a job of an array that fails is in the table beside the others") {
   INFO(run.output);
   CHECK(run.exit_code == 1);
   CHECK_THAT(run.output, Contains("Submitted batch job 7") && Contains("done") && Contains(kOfAnother));
+}
+
+TEST_CASE("a fleet on a cluster that is interrupted cancels its array") {
+  const Fleet fleet("fleet_interrupted");
+  // ^C goes to all programs of a terminal; the jobs of a cluster hear nothing of it.
+  fleet.program("sbatch", "trap 'exit 130' INT; echo 'Submitted batch job 7'; kill -INT 0; exit 130");
+  fleet.program("scancel", "echo \"cancelled $1\"");
+  const Ran run = fleet.run("", "3", "env --default-signal=INT setsid --wait");
+  INFO(run.output);
+  CHECK(run.exit_code == 130);
+  CHECK_THAT(run.output, Contains("cancelled 7") && Contains("run it again") && !Contains("recording "));
 }
