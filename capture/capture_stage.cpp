@@ -230,13 +230,26 @@ void CaptureStage::set_number_and_time(const CapturedBuffer& buffer, const Match
   last_emitted_ = {facts.sequence, matched.index, facts.timestamp};
 }
 
-void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
-  photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
+// Raw frames of different gains may have different black levels.
+void CaptureStage::look_at(const Image<std::uint16_t>& codes, const std::optional<BlackLevel>& black) {
+  const auto observe = [&] { photometer_.observe(codes, codes_.layout, codes_.bits, picture_); };
+  if (codes_.linear && black != black_.stated()) {
+    const PhotometricResponse of_others = photometer_.response();
+    photometer_.set_response(PhotometricResponse::before_any_fit(codes_.linear, black));
+    observe();
+    return photometer_.set_response(of_others);
+  }
+  observe();
   if (const auto response = black_.narrow(picture_)) {
     photometer_.set_response(*response);
     proof_.forget();
-    photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
+    observe();
   }
+}
+
+void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
+  const std::optional<BlackLevel>& black = black_.stated(buffer.black_level);
+  look_at(frame.raw.codes, black);
   frame.proof = proof_.judge(matched.evidence, picture_, photometer_);
   if (frame.proof.unique) matcher_->learn(*frame.proof.unique);
   counters_.strobe_misfits +=
@@ -253,7 +266,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.digital_gain = label.digital_gain;
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
-  facts.black_level = black_.stated();
+  facts.black_level = black;
   frame.proof.limit_to(buffer.exposure_source.value_or(ExposureSource::Unknown));
   if (frame.proof.verdict == Verdict::Estimated) facts.exposure_source = ExposureSource::Estimated;
   facts.verdict = frame.proof.verdict;

@@ -97,6 +97,7 @@ class CaptureStage {
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
   int slot_for_light(const CapturedFrame& frame) const;
+  void look_at(const Image<std::uint16_t>& codes, const std::optional<BlackLevel>& black);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
   void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                            FrameFacts& facts);

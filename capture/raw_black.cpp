@@ -6,7 +6,7 @@ namespace hdrcam {
 
 RawBlack::RawBlack(const std::optional<BlackLevel>& user, const CameraCapabilities& camera,
                    const std::optional<KnownSensor>& table, bool linear)
-    : stated_(user ? user : camera.black_level), linear_(linear) {
+    : stated_(user ? user : camera.black_level), by_user_(user.has_value()), linear_(linear) {
   if (!stated_ && table && linear) stated_ = table->black_level;
   if (unreported()) most_ = PhotometricResponse::kMostBlack;
 }

@@ -20,6 +20,10 @@ class RawBlack {
 
   // Stated by the user, else by the camera, else by the table.
   const std::optional<BlackLevel>& stated() const { return stated_; }
+  // Of one frame: stated by the user, else with the frame, else as for all.
+  const std::optional<BlackLevel>& stated(const std::optional<BlackLevel>& with_frame) const {
+    return with_frame && !by_user_ ? with_frame : stated_;
+  }
   // Raw codes, and nobody states it.
   bool unreported() const { return linear_ && !stated_; }
 
@@ -33,7 +37,7 @@ class RawBlack {
 
  private:
   std::optional<BlackLevel> stated_;
-  bool linear_;
+  bool by_user_, linear_;
   std::optional<float> most_;  // codes of 255: upper bound of an unreported black level
 };
 

@@ -145,6 +145,7 @@ struct CapturedBuffer {
   std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;
   Duration readout{0};  // of a rolling shutter, from the first row's exposure to the last one's; 0: unknown
+  std::optional<BlackLevel> black_level;  // of this frame, where each states its own
   // Where the report comes from, if not from the driver: the sensor's embedded data, which neither V4L2 nor
   // libcamera tells from a prediction, so that real cameras never set it; or what a recording states.
   std::optional<ExposureSource> exposure_source;

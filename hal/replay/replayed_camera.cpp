@@ -207,6 +207,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
       buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
     }
     buffer.readout = from_seconds(facts.readout_s);
+    buffer.black_level = facts.black_level;
     buffer.exposure_source = facts.exposure_source;
     buffer.mode = mode_;
     buffer.stride = packed_stride(mode_.format, mode_.width);

@@ -2,6 +2,7 @@
 // replay; and what the stage delivers of a faulty camera makes a recording that is whole.
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,15 @@ namespace {
 constexpr int kFrames = 24, kBits = 12;
 const BlackLevel kBlack(16);  // of 255
 
-// A smooth scene that does not move, raw, exposed in turn for 2 and 8 ms.
-std::string write_recording(const std::string& name, ExposureSource source) {
+struct Stated {
+  double exposure_s = 0;
+  BlackLevel black = kBlack;
+};
+constexpr Stated kAlternating[] = {{0.002}, {0.008}};
+
+// A smooth scene that does not move, raw, exposed in turn like this.
+std::string write_recording(const std::string& name, ExposureSource source,
+                            std::span<const Stated, 2> stated = kAlternating) {
   CameraFacts camera = sample::camera(PixelLayout::BayerRggb, kBits, 64, 48);
   camera.name = "/dev/video0", camera.linear = true;
   const std::string path = sample::scratch_folder(name) + "/r.mkv";
@@ -31,11 +39,12 @@ std::string write_recording(const std::string& name, ExposureSource source) {
   for (int i = 0; i < kFrames; ++i) {
     RawFrame frame{{}, Image<std::uint16_t>(1, camera.height, camera.width)};
     frame.facts.sequence = static_cast<std::uint64_t>(i);
-    frame.facts.exposure_s = i % 2 == 0 ? 0.002 : 0.008;
+    const Stated& of = stated[static_cast<std::size_t>(i % 2)];
+    frame.facts.exposure_s = of.exposure_s;
     frame.facts.timestamp = Instant::from_seconds(1 + i / camera.framerate_hz);
     frame.facts.exposure_source = source;
-    frame.facts.black_level = kBlack;
-    const double black = kBlack.code(kBits);
+    frame.facts.black_level = of.black;
+    const double black = of.black.code(kBits);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
         const double radiance = 200 + 150 * std::sin(x * 0.3) * std::cos(y * 0.2);  // codes per ms
@@ -73,6 +82,24 @@ TEST_CASE(
     proved += frame.proof.verdict == Verdict::Proved ? 1 : 0;
   }
   CHECK(proved >= kFrames - 4);
+}
+
+TEST_CASE("frames of a replay keep the black level that each states, and are proved by it") {
+  const Stated stated[] = {{0.008, BlackLevel(16)}, {0.002, BlackLevel(24)}};
+  const std::string path = write_recording("stage_blacks", ExposureSource::Reported, stated);
+  const auto frames = captured_from(path);
+  int proved = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    REQUIRE(frames[i].raw.facts.black_level);
+    CHECK(frames[i].raw.facts.black_level->code(kBits) == stated[i % 2].black.code(kBits));
+    proved += frames[i].proof.verdict == Verdict::Proved ? 1 : 0;
+  }
+  CHECK(proved >= kFrames - 4);
+
+  CaptureOptions by_user;
+  by_user.black_level = BlackLevel(5);
+  for (const CapturedFrame& frame : captured_from(path, by_user))
+    CHECK(frame.raw.facts.black_level == by_user.black_level);
 }
 
 TEST_CASE("settings of the camera's clock and delays move and doubt nothing of a recording that plays it") {
