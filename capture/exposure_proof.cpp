@@ -46,6 +46,7 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   for (std::size_t i = 0; i < kept; ++i) candidates_.push_back(earlier[i]);
   current_count_ = cycle.size();
   proved_in_current_ = undecided_ = 0;
+  change_denied_ = false;
   exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
   });
@@ -247,17 +248,23 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
 }
 
 // Once enough frames of the new cycle have been proved, the earlier ones are dropped. Pictures do not tell
-// two cycles apart where all exposures changed by one factor: without a right claim all frames are undecided
-// then, and the earlier cycles are dropped when more of them follow each other than requests can be left from
-// before.
-void ExposureProof::retire_earlier_cycles(const Judgement& judgement) {
+// two cycles apart where all exposures changed by one factor, and that is too small for them, or no claim is
+// right, or the frames before the change are forgotten: the earlier cycles are dropped when more frames
+// without a decision follow each other than requests can be left from before.
+void ExposureProof::retire_earlier_cycles(const FrameEvidence& evidence, const Judgement& judgement) {
   // Queued requests, and frames until their controls act.
   constexpr int kMostUndecided = kMostBuffers + kMaxDelay;
   if (candidates_.size() == current_count_) return;
-  undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
+  const auto is_current = [&](double value) { return exposure_of(current_cycle(), value) != nullptr; };
+  if (judgement.unique && !is_current(*judgement.unique) && !evidence.claims.empty() &&
+      is_current(evidence.claims.front().log_value()))
+    change_denied_ = true;
+  const bool decided = judgement.unique || (judgement.trusted() && change_denied_);
+  undecided_ = decided ? 0 : undecided_ + 1;
   if (judgement.verdict == Verdict::Proved) {
-    const bool current = exposure_of(current_cycle(), judgement.label.log_value()) != nullptr;
+    const bool current = is_current(judgement.label.log_value());
     proved_in_current_ = current ? proved_in_current_ + 1 : 0;
+    if (current) change_denied_ = false;
   }
   if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostUndecided)
     candidates_ = Candidates(current_cycle());
@@ -276,7 +283,7 @@ Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricS
   frame.judgement = weigh(evidence, explain());
   frame.judgement.strobe_refuses = evidence.strobe_width && !evidence.claims.empty() &&
                                    !strobe_allows(*evidence.strobe_width, evidence.claims[0].exposure.time);
-  retire_earlier_cycles(frame.judgement);
+  retire_earlier_cycles(evidence, frame.judgement);
   return frame.judgement;
 }
 

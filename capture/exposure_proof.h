@@ -81,7 +81,7 @@ class ExposureProof {
 
   // Sets the exposures that frames can have. After a change of schedule those of the last two stay
   // candidates, because queued requests still carry them, until enough frames are proved to have the new
-  // ones, or so many in a row are undecided that no request can carry the earlier ones any more.
+  // ones, or pictures leave so many in a row open that no request can carry the earlier ones any more.
   void set_cycle(std::span<const Exposure> cycle);
   // For a cycle that is learned from labels: undecided frames before it was known may have its exposures,
   // too.
@@ -135,13 +135,16 @@ class ExposureProof {
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;
-  void retire_earlier_cycles(const Judgement& judgement);
+  void retire_earlier_cycles(const FrameEvidence& evidence, const Judgement& judgement);
 
   Candidates candidates_;          // the current cycle, then those before
   std::size_t current_count_ = 0;  // of the current cycle
   bool exposures_differ_ = false;  // the current cycle has two exposures that differ
   int proved_in_current_ = 0;
   int undecided_ = 0;  // frames in a row, while earlier cycles are candidates
+  // Since the last change a picture showed an earlier exposure where the best claim was of the current cycle:
+  // the camera may ignore the change, and claims alone do not end the earlier cycle.
+  bool change_denied_ = false;
   std::array<Frame, kWindow> ring_{};
   std::size_t newest_ = 0, count_ = 0;
 };

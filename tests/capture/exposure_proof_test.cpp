@@ -287,6 +287,27 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("right claims are proved again after a change by one factor that no picture tells", "[capture]") {
+  struct Row {
+    std::vector<Exposure> cycle;  // the same ratios
+    bool forgets;                 // frames before the change
+  };
+  const Row rows[] = {{{{1060us, 1}, {4240us, 1}, {16960us, 1}}, false},  // as near as pictures can tell
+                      {{{2ms, 1}, {8ms, 1}, {32ms, 1}}, true}};
+  for (const Row& row : rows) {
+    Bench bench(kThree);
+    bench.prove(kThree);
+    bench.proof().set_cycle(row.cycle);
+    if (row.forgets) bench.proof().forget();
+    for (std::size_t i = 0; i < 100; ++i) {
+      const Judgement judgement = bench.judge(row.cycle[i % 3], claims({predicted(row.cycle[i % 3])}));
+      CAPTURE(row.forgets, i);
+      CHECK(judgement.label.exposure == row.cycle[i % 3]);
+      CHECK(judgement.verdict == (i < 48 ? Verdict::Plausible : Verdict::Proved));
+    }
+  }
+}
+
 TEST_CASE("two quick changes by one factor: no frame gets a wrong label", "[capture]") {
   constexpr Exposure kTwice[] = {{2ms, 1}, {8ms, 1}, {32ms, 1}},
                      kThrice[] = {{3ms, 1}, {12ms, 1}, {48ms, 1}};  // the same ratios
