@@ -33,6 +33,8 @@ std::string proof_of(const CaptureCounters& camera) {
   if (camera.pulses_forgotten > 0)
     text += fmt::format("; frames taken too late for their strobe or trigger pulses: {}",
                         camera.pulses_forgotten);
+  if (camera.controls_late > 0)
+    text += fmt::format("; frames whose exposure was written late: {}", camera.controls_late);
   return text;
 }
 

@@ -38,7 +38,7 @@ struct CaptureCounters {
 };
 
 // Returns text like "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown", and where there are any
-// "; frames taken too late for their strobe or trigger pulses: 3".
+// "; frames taken too late for their strobe or trigger pulses: 3; frames whose exposure was written late: 5".
 std::string proof_of(const CaptureCounters& counters);
 
 struct CapturedFrame {

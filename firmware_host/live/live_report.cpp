@@ -147,6 +147,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.strobe_misfits", camera.strobe_misfits},
       {"camera.triggered", camera.triggered},
       {"camera.pulses_forgotten", camera.pulses_forgotten},
+      {"camera.controls_late", camera.controls_late},
       {"camera.requests_late", camera.requests_late},
       {"camera.relocks", camera.relocks},
       {"camera.cycle_changes", camera.cycle_changes},

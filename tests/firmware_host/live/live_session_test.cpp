@@ -64,13 +64,17 @@ void check_sums(const LiveCounters& counters) {
   CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
 }
 
-TEST_CASE("the statistics say how many frames were taken too late for their pulses") {
+TEST_CASE(
+    "a run says how many frames were taken too late for their pulses, and how many exposures were late") {
   LiveCounters counters;
-  counters.camera.pulses_forgotten = 3;
+  counters.camera.pulses_forgotten = 3, counters.camera.controls_late = 5;
   const std::vector<NamedValue> list = named(counters);
-  const auto forgotten = std::ranges::find(list, "camera.pulses_forgotten", &NamedValue::name);
-  REQUIRE(forgotten != list.end());
-  CHECK(forgotten->value == 3);
+  for (const auto& [name, value] : {std::pair{"camera.pulses_forgotten", 3}, {"camera.controls_late", 5}}) {
+    const auto counted = std::ranges::find(list, name, &NamedValue::name);
+    REQUIRE(counted != list.end());
+    CHECK(counted->value == value);
+  }
+  CHECK(proof_of(counters.camera).ends_with("pulses: 3; frames whose exposure was written late: 5"));
 }
 
 TEST_CASE(
