@@ -70,6 +70,9 @@ class CaptureStage {
   // sensor of unknown black level, a camera whose exposures only the pictures can determine.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
+  // Why no frame has an exposure, where neither camera nor pictures can tell one; empty otherwise.
+  std::string exposures_account() const;
+
   // The schedule of another cycle. Errors: those of ExposureSchedule::create and PulseTrain::check. May be
   // called from any thread.
   Result<ExposureSchedule> schedule_of(std::span<const Exposure> cycle) const;
@@ -87,6 +90,8 @@ class CaptureStage {
                const ExposureSchedule& schedule, Mains mains);
 
   FrameMatcherOptions matching() const;
+  bool nobody_states_exposures() const;
+  bool has_one_exposure() const;
   Duration longest_exposure() const;
   void collect_warnings();
   void restart_matching();

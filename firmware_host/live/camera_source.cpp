@@ -113,7 +113,8 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.emitted = static_cast<int>(counters.emitted);
   record.dropped = static_cast<int>(counters.dropped());
   record.notes.push_back(proof_of(counters.camera));
-  for (const std::string& account : {light_account(), trigger_account(), strobe_account()})
+  for (const std::string& account :
+       {exposures_account(), light_account(), trigger_account(), strobe_account()})
     if (!account.empty()) record.notes.push_back(account);
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();

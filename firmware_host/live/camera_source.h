@@ -51,6 +51,8 @@ class CameraSource : public FrameSource, public RunControl {
   CaptureStage& capture() { return *capture_; }
   // What the user should know at the start.
   std::vector<std::string> warnings() const;
+  // Why no frame has an exposure; "" where some have. The session has ended.
+  std::string exposures_account() const { return capture_->exposures_account(); }
   // How the cycle followed the light; "" where it does not. The session has ended.
   std::string light_account() const;
   // The account of the trigger line so far, as a sentence; "" without one.

@@ -280,6 +280,29 @@ TEST_CASE("a camera about which nothing is known has its frames labelled by thei
   CHECK(tally.trusted_wrong == 0);
 }
 
+TEST_CASE("a run of one exposure that nobody states says why every frame is unknown", "[capture]") {
+  const auto account_of = [](const SensorSettings& settings, std::span<const Exposure> cycle) {
+    MisbehavingCamera sensor(settings, {});
+    auto stage = CaptureStage::open(sensor, nullptr, cycle, Mains::Off, {});
+    REQUIRE((*stage)->start().ok());
+    CapturedFrame frame;
+    for (int i = 0; i < 20; ++i) REQUIRE((*stage)->next(frame).ok());
+    const auto& warnings = (*stage)->warnings();
+    const bool promises = std::ranges::any_of(warnings, [](const std::string& warning) {
+      return warning.find("labelled by their pictures alone") != std::string::npos;
+    });
+    CHECK(promises == (!settings.per_request && cycle.size() > 1));
+    return (*stage)->exposures_account();
+  };
+  const SensorSettings silent{
+      .kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2};
+  const std::string account = account_of(silent, kOne);
+  CHECK(account.starts_with("the exposure of every frame is unknown: "));
+  CHECK(account.find("run 'hdrcam calibrate delay' once") != std::string::npos);
+  CHECK(account_of(silent, kThree).empty());
+  CHECK(account_of({.kind = SensorKind::Gamma8}, kOne).empty());  // its requests tell
+}
+
 TEST_CASE("the strobe proves what pictures cannot: a cycle of one, and a scene in the dark", "[capture]") {
   const CaptureOptions options{.strobe = StrobePulse::SpansExposure, .strobe_after_timestamp = 2ms};
   const SensorSettings dark{.strobe_offset = 2ms, .key = 1e-4};
