@@ -15,7 +15,7 @@ struct ExposureCorrection {
 // By the stated exposure, relative to the clip's reference exposure.
 class ExposureCorrections {
  public:
-  void set(float exposure, double log_ratio) { log_ratios_[key(exposure)] = log_ratio; }
+  void set(float exposure, double log_ratio) { learned_[key(exposure)] = {exposure, log_ratio}; }
   // What the exposure really was, by what the nearest learned one is off: reported times jitter. As stated
   // where none is the same within kSameExposure.
   float corrected(float exposure) const;
@@ -24,10 +24,13 @@ class ExposureCorrections {
   std::vector<ExposureCorrection> learned() const;
   // In 1/64 stop: exposures that differ by less are one.
   static int key(float exposure);
-  static float exposure_of(int key);
 
  private:
-  std::map<int, double> log_ratios_;  // ln of true over stated
+  struct Learned {
+    float stated = 0;
+    double log_ratio = 0;  // ln of true over stated
+  };
+  std::map<int, Learned> learned_;
 };
 
 }  // namespace hdrcam

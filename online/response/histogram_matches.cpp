@@ -120,6 +120,7 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
   for (std::size_t c = 0; c < 3; ++c) {
     CodeMatches& matches = matches_[c][key];
+    if (matches.pairs == 0) matches.shorter = shorter.exposure, matches.longer = longer.exposure;
     matches.log_ratio += (log_ratio - matches.log_ratio) / ++matches.pairs;
     matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
     keep_newest(matches.codes);
@@ -136,6 +137,15 @@ std::vector<int> HistogramMatches::exposure_keys() const {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   return keys;
+}
+
+std::map<int, float> HistogramMatches::exposures() const {
+  std::map<int, float> exposures;
+  for (const auto& [pair, matches] : matches_[0]) {
+    exposures.try_emplace(pair.first, matches.shorter);
+    exposures.try_emplace(pair.second, matches.longer);
+  }
+  return exposures;
 }
 
 }  // namespace hdrcam

@@ -25,9 +25,10 @@ struct CodeMatch {
 
 // The matches of one channel for one pair of exposures.
 struct CodeMatches {
-  double log_ratio = 0;  // ln E1/E2 < 0, as stated; the mean, where times jitter
-  int pairs = 0;         // of frames
-  int newest = 0;        // of all pairs of frames, the last of these
+  double log_ratio = 0;           // ln E1/E2 < 0, as stated; the mean, where times jitter
+  float shorter = 0, longer = 0;  // E1, E2, as first stated
+  int pairs = 0;                  // of frames
+  int newest = 0;                 // of all pairs of frames, the last of these
   std::vector<CodeMatch> codes;
 };
 
@@ -49,6 +50,8 @@ class HistogramMatches {
   const OfChannel& of(std::size_t channel) const { return matches_[channel]; }
   // All exposures that occur, ascending (ExposureCorrections::key).
   std::vector<int> exposure_keys() const;
+  // The same, by key, as they were stated.
+  std::map<int, float> exposures() const;
 
   // Codes of the shortest exposure, bounds of a black level: hardly a pixel is darker than the first; noise
   // and compression may have put a tenth of the pixels below black, not more.

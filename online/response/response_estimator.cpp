@@ -190,11 +190,10 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
   return fit;
 }
 
-ExposureCorrections corrections_of(const Vector& shared, const std::vector<int>& keys) {
+ExposureCorrections corrections_of(const Vector& shared, const HistogramMatches& matches) {
   ExposureCorrections exposures;
-  for (std::size_t k = 0; k < keys.size(); ++k)
-    exposures.set(ExposureCorrections::exposure_of(keys[k]),
-                  shared[shared_unknowns::kExposures + static_cast<Eigen::Index>(k)]);
+  Eigen::Index at = shared_unknowns::kExposures;  // ascending, as the keys
+  for (const auto& [key, stated] : matches.exposures()) exposures.set(stated, shared[at++]);
   return exposures;
 }
 
@@ -203,7 +202,7 @@ ExposureCorrections corrections_of(const Vector& shared, const std::vector<int>&
 ResponseEstimate ResponseEstimator::estimate_under(const Response& known, const NoiseModel& noise,
                                                    WorkerPool* pool) const {
   const SharedFit fit = solve_shared(matches_, noise_levels_.levels(), known, noise, pool);
-  return {known, {}, corrections_of(fit.shared, matches_.exposure_keys()), fit.seen};
+  return {known, {}, corrections_of(fit.shared, matches_), fit.seen};
 }
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model,
@@ -245,8 +244,8 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
     uncertainty[c][0] = uncertainty[c][1];
   });
   const auto& [red, green, blue] = fit.curves;
-  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, corrections_of(fit.shared, keys),
-          fit.seen};
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black,
+          corrections_of(fit.shared, matches_), fit.seen};
 }
 
 Response prior_mean_response() {

@@ -15,7 +15,7 @@ TEST_CASE(
   CHECK(corrections.corrected(0.7f) == 0.7f);  // nothing was learned
   corrections.set(0.25f, -0.04);
   corrections.set(1, 0.1);
-  corrections.set(1.03f, 0.2);
+  corrections.set(1.03f, 0.2);  // 2.7 / 64 stop
   CHECK(ln_off(0.25f) == Approx(-0.04).epsilon(1e-3));
   CHECK(ln_off(1) == Approx(0.1).epsilon(1e-3));
   CHECK(ln_off(1.03f) == Approx(0.2).epsilon(1e-3));
@@ -29,6 +29,7 @@ TEST_CASE(
   REQUIRE(learned.size() == 3);
   CHECK(learned[0].stated == 0.25f);
   CHECK(learned[0].stops == Approx(-0.04 / std::numbers::ln2));
+  CHECK(learned[2].stated == 1.03f);
   CHECK(learned[2].stops == Approx(0.2 / std::numbers::ln2));
   for (const float other : {0.1f, 0.23f, 0.5f, 0.93f, 1.12f, 4.f})
     CHECK(corrections.corrected(other) == other);

@@ -105,6 +105,16 @@ TEST_CASE("the models of a response that are there for comparison are what they 
   CHECK(response_error(estimated(wrong, ResponseModel::Network).response, Response::gamma(2.2f)) > 0.5);
 }
 
+TEST_CASE("exposures of which pictures tell how far they are off are listed as they were stated") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  scene.exposures_s = {0.00101, 0.00403, 0.0162};
+  const auto frames = exposed(scene, 6);
+  const auto learned = estimated(frames).exposures.learned();
+  REQUIRE(learned.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(learned[i].stated == frames[i].exposure);
+}
+
 TEST_CASE("an exposure that is not the stated one is found with the response") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
