@@ -279,11 +279,17 @@ Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricS
   frame.judgement = {};
   for (std::size_t age = 1; age < count_; ++age)
     frame.ratio_from[age - 1] = photometer.ratio(back(age).picture, picture);
-  gather_values(evidence, frame);
-  frame.judgement = weigh(evidence, explain());
-  frame.judgement.strobe_refuses = evidence.strobe_width && !evidence.claims.empty() &&
-                                   !strobe_allows(*evidence.strobe_width, evidence.claims[0].exposure.time);
-  retire_earlier_cycles(evidence, frame.judgement);
+  const bool strobe_refuses = evidence.strobe_width && !evidence.claims.empty() &&
+                              !strobe_allows(*evidence.strobe_width, evidence.claims[0].exposure.time);
+  FrameEvidence counted = evidence;
+  if (strobe_refuses && evidence.claims[0].source == ExposureSource::Embedded) counted.strobe_width.reset();
+  gather_values(counted, frame);
+  frame.judgement = weigh(counted, explain());
+  // without the pictures' word the sensor's stands against the pulse's
+  if (strobe_refuses && !frame.judgement.unique && frame.judgement.verdict == Verdict::Proved)
+    frame.judgement.verdict = Verdict::Plausible;
+  frame.judgement.strobe_refuses = strobe_refuses;
+  retire_earlier_cycles(counted, frame.judgement);
   return frame.judgement;
 }
 

@@ -21,6 +21,8 @@
 //    not unique, claims disagree, or the best
 //      is a doubtful prediction                  -> unknown
 //    not unique, nothing contradicts             -> plausible
+//    A strobe pulse that is not as long as the sensor itself says in this frame does not count: it is another
+//    frame's, or no exposure at all. Against every other claim it does.
 // 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and are kept out of the fit.
 //
 // The proof covers the product time x gain, relative to the neighbouring frames, to within `within_ev`.

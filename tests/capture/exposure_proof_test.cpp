@@ -388,6 +388,30 @@ TEST_CASE("a strobe pulse decides alone what pictures leave open", "[capture]") 
   CHECK(bench.judge(evidence, picture_of(log_product(k4) + 0.7)).verdict == Verdict::Contradicted);
 }
 
+TEST_CASE("a strobe pulse of another length does not outweigh what the sensor embeds in the frame",
+          "[capture]") {
+  FrameEvidence evidence = claims({{k4, 1, ExposureSource::Embedded}});
+  evidence.strobe_width = 16ms;
+  Bench three(kThree);
+  const Judgement in_the_dark = three.judge(evidence, dark());
+  CHECK(in_the_dark.verdict == Verdict::Plausible);
+  CHECK(in_the_dark.label.exposure == k4);
+  CHECK(in_the_dark.strobe_refuses);
+  three.prove(kThree);
+  const Judgement seen = three.judge(k4, evidence);
+  CHECK(seen.verdict == Verdict::Proved);
+  CHECK(seen.label.exposure == k4);
+  CHECK(seen.strobe_refuses);
+  // the pulse is right where the pictures say so
+  const Judgement as_pulse = three.judge(k16, evidence);
+  CHECK(as_pulse.verdict == Verdict::Plausible);
+  CHECK(as_pulse.label.exposure == k16);
+
+  constexpr Exposure kOne[] = {k4};
+  Bench one(kOne);
+  for (int i = 0; i < 8; ++i) CHECK(one.judge(k4, evidence).verdict == Verdict::Plausible);
+}
+
 TEST_CASE("evidence that is forgotten decides nothing any more", "[capture]") {
   Bench bench(kThree);
   bench.prove(kThree);
