@@ -13,13 +13,19 @@
 namespace hdrcam {
 
 Result<std::unique_ptr<RecordingStage>> RecordingStage::open(Storage& storage, const std::string& path,
-                                                             Contradiction contradiction) {
+                                                             Contradiction contradiction,
+                                                             const std::optional<BlackLevel>& black_level) {
   const Damage damage = contradiction == Contradiction::Fails ? Damage::Ends : Damage::IsSkipped;
-  return std::make_unique<RecordingStage>(TRY(open_recording(storage, path, damage)), contradiction);
+  return std::make_unique<RecordingStage>(TRY(open_recording(storage, path, damage)), contradiction,
+                                          black_level);
 }
 
-RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction)
-    : recording_(std::move(recording)), contradiction_(contradiction), labels_(recording_->camera()) {}
+RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction,
+                               const std::optional<BlackLevel>& black_level)
+    : recording_(std::move(recording)),
+      contradiction_(contradiction),
+      black_level_(black_level),
+      labels_(recording_->camera()) {}
 
 bool RecordingStage::read(CapturedFrame& frame) {
   if (end_) return false;
@@ -28,6 +34,7 @@ bool RecordingStage::read(CapturedFrame& frame) {
   if (!raw.value()) return end_ = false, false;
   frame = {};
   frame.raw = std::move(**raw);
+  if (black_level_) frame.raw.facts.black_level = black_level_;
   count_gap(frame);
   return true;
 }

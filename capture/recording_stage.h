@@ -22,9 +22,12 @@ enum class Contradiction { Warns, Fails };
 class RecordingStage {
  public:
   // Errors: those of open_recording.
+  // black_level: stated by the user, instead of the recording's own.
   static Result<std::unique_ptr<RecordingStage>> open(Storage& storage, const std::string& path,
-                                                      Contradiction contradiction);
-  RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction);
+                                                      Contradiction contradiction,
+                                                      const std::optional<BlackLevel>& black_level = {});
+  RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction,
+                 const std::optional<BlackLevel>& black_level = {});
 
   // The next frame; false at the end. Errors: those of RecordingReader::next, after all frames before it;
   // BadExposure for the first contradiction, where contradictions are errors.
@@ -47,6 +50,7 @@ class RecordingStage {
 
   std::unique_ptr<RecordingReader> recording_;
   const Contradiction contradiction_;
+  const std::optional<BlackLevel> black_level_;
   RecordedLabels labels_;
   // Judged together, the next one last. Codes that fit a byte wait in bytes.
   struct Waiting {

@@ -12,7 +12,7 @@ namespace hdrcam {
 Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage, const std::string& path,
                                                                const RecordingSourceOptions& options,
                                                                const std::atomic<bool>& stop) {
-  auto recording = TRY(RecordingStage::open(storage, path, options.contradiction));
+  auto recording = TRY(RecordingStage::open(storage, path, options.contradiction, options.black_level));
   std::unique_ptr<RecordingWriter> copy;
   if (!options.copy_to.empty())
     copy = TRY(create_recording(storage, options.copy_to, recording->camera(), Creation::Replace,
@@ -24,7 +24,8 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage,
 std::unique_ptr<RecordingSource> RecordingSource::of(std::unique_ptr<RecordingReader> frames,
                                                      const RecordingSourceOptions& options,
                                                      const std::atomic<bool>& stop) {
-  auto recording = std::make_unique<RecordingStage>(std::move(frames), options.contradiction);
+  auto recording =
+      std::make_unique<RecordingStage>(std::move(frames), options.contradiction, options.black_level);
   return std::unique_ptr<RecordingSource>(new RecordingSource(std::move(recording), nullptr, options, stop));
 }
 
@@ -49,7 +50,6 @@ Result<const RawFrame*> RecordingSource::next() {
     return nullptr;
   }
   if (!TRY(std::move(more))) return nullptr;
-  if (options_.black_level) frame_.raw.facts.black_level = options_.black_level;
   if (copy_) TRY(copy_->append(frame_.raw));
   ++read_;
   if ((frame_.raw.facts.flags & kFrameExposureUnproved) != 0) ++kept_out_;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "tests/contracts/expect.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -183,6 +184,23 @@ TEST_CASE("raw frames are judged by the black level that each of them states", "
   CHECK(result.facts.size() == 24);
   CHECK(result.counters.contradicted == 0);
   CHECK(result.warnings.empty());
+}
+
+TEST_CASE("raw frames are judged by the black level that the user states instead of theirs", "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  scene.gamma = 1, scene.full_well = 0, scene.black_level = 40;
+  CameraFacts camera = scene.camera();
+  camera.linear = true;
+  for (const bool by_user : {false, true}) {
+    std::vector<RawFrame> frames = filmed(scene, 24);
+    for (RawFrame& frame : frames) frame.facts.black_level = BlackLevel();  // which is wrong
+    const std::optional<BlackLevel> stated = by_user ? std::optional(BlackLevel(40)) : std::nullopt;
+    RecordingStage stage(std::make_unique<Reel>(camera, std::move(frames)), Contradiction::Warns, stated);
+    for (CapturedFrame frame; value_of(stage.next(frame));)
+      CHECK(frame.raw.facts.black_level == stated.value_or(BlackLevel()));
+    INFO(proof_of(stage.counters()));
+    CHECK((stage.counters().contradicted == 0) == by_user);
+  }
 }
 
 TEST_CASE("single frames that are black are no objection to the others", "[capture]") {
