@@ -15,12 +15,12 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
   std::vector<Exposure> walked;
   for (const ExposureRequest& exposure : offers.cycle)
     walked.push_back({exposure.exposure, exposure.analogue_gain});
-  if (!offers.sets_exposure && walked.empty())
+  if (!offers.sets_exposure && (walked.empty() || walked.size() > ExposureSchedule::kMaxSlots))
     return Error{
         ErrorCode::Unsupported,
-        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle; choose another "
-                    "camera, or read a recording without --pace realtime",
-                    offers.id)};
+        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle of 1 to {} "
+                    "exposures; choose another camera, or read a recording without --pace realtime",
+                    offers.id, int{ExposureSchedule::kMaxSlots})};
   for (const auto& delays : {options.delays, offers.delays})
     if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
                    std::max(delays->exposure, delays->gain) > kMaxDelay))
