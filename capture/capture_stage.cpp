@@ -327,7 +327,7 @@ int CaptureStage::slot_for_light(const CapturedFrame& frame) const {
 // The requests of a camera that sets its exposures itself have no slots.
 int CaptureStage::slot_of(const ExposureClaim& label) const {
   if (camera_.capabilities().sets_exposure) return matcher_->slot_of(label);
-  return schedule_.nearest_slot(label.exposure);
+  return schedule_.nearest_slot({label.exposure.time, label.exposure.gain * label.digital_gain});
 }
 
 CameraFacts CaptureStage::facts() const {

@@ -26,6 +26,7 @@ const BlackLevel kBlack(16);  // of 255
 struct Stated {
   double exposure_s = 0;
   BlackLevel black = kBlack;
+  double digital_gain = 1;
 };
 constexpr Stated kAlternating[] = {{0.002}, {0.008}};
 
@@ -40,7 +41,7 @@ std::string write_recording(const std::string& name, ExposureSource source,
     RawFrame frame{{}, Image<std::uint16_t>(1, camera.height, camera.width)};
     frame.facts.sequence = static_cast<std::uint64_t>(i);
     const Stated& of = stated[static_cast<std::size_t>(i % 2)];
-    frame.facts.exposure_s = of.exposure_s;
+    frame.facts.exposure_s = of.exposure_s, frame.facts.digital_gain = of.digital_gain;
     frame.facts.timestamp = Instant::from_seconds(1 + i / camera.framerate_hz);
     frame.facts.exposure_source = source;
     frame.facts.black_level = of.black;
@@ -49,7 +50,7 @@ std::string write_recording(const std::string& name, ExposureSource source,
       for (int x = 0; x < camera.width; ++x) {
         const double radiance = 200 + 150 * std::sin(x * 0.3) * std::cos(y * 0.2);  // codes per ms
         frame.codes.at(0, y, x) = static_cast<std::uint16_t>(
-            std::min(4095.0, black + radiance * frame.facts.exposure_s * 1e3 + 0.5));
+            std::min(4095.0, black + radiance * frame.facts.exposure() * 1e3 + 0.5));
       }
     require_done(writer->append(frame));
   }
@@ -100,6 +101,16 @@ TEST_CASE("frames of a replay keep the black level that each states, and are pro
   by_user.black_level = BlackLevel(5);
   for (const CapturedFrame& frame : captured_from(path, by_user))
     CHECK(frame.raw.facts.black_level == by_user.black_level);
+}
+
+TEST_CASE("frames of a replay that differ in digital gain alone have the slots of their exposures") {
+  const Stated stated[] = {{.exposure_s = 0.002}, {.exposure_s = 0.002, .digital_gain = 4}};
+  const auto frames = captured_from(write_recording("stage_digital", ExposureSource::Reported, stated));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    REQUIRE(frames[i].proof.trusted());
+    CHECK(frames[i].raw.facts.digital_gain == stated[i % 2].digital_gain);
+    CHECK(frames[i].raw.facts.slot == static_cast<int>(i % 2));
+  }
 }
 
 TEST_CASE("settings of the camera's clock and delays move and doubt nothing of a recording that plays it") {
