@@ -6,6 +6,15 @@
 #include "capture/control_latency.h"
 
 namespace hdrcam {
+namespace {
+
+PixelCodes codes_of(const StreamMode& mode, const CameraCapabilities& offers) {
+  PixelCodes codes = codes_of(mode.format);
+  if (offers.recorded) codes.linear = offers.recorded->linear;
+  return codes;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLine* strobe,
                                                          std::span<const Exposure> cycle, Mains mains,
@@ -46,7 +55,7 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       strobe_(strobe),
       options_(options),
       mode_(mode),
-      codes_(codes_of(mode.format)),
+      codes_(codes_of(mode, camera.capabilities())),
       schedule_(schedule),
       mains_(mains),
       sensor_(known_sensor(camera.capabilities().model)),
@@ -331,7 +340,7 @@ int CaptureStage::slot_of(const ExposureClaim& label) const {
 }
 
 CameraFacts CaptureStage::facts() const {
-  CameraFacts facts;
+  CameraFacts facts = camera_.capabilities().recorded.value_or(CameraFacts());
   facts.name = camera_.capabilities().id;
   facts.width = mode_.width;
   facts.height = mode_.height;

@@ -105,6 +105,7 @@ struct CameraCapabilities {
   std::optional<ControlDelays> delays;    // of a known sensor
   std::optional<BlackLevel> black_level;  // of its codes, where the camera states it
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
+  std::optional<CameraFacts> recorded;  // of a recording that plays the camera, what it states of its own
 };
 
 // Invalid, naming the limits, where the camera can set exposures but not this one.

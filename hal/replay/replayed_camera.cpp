@@ -82,6 +82,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.reports_exposure = true;
     capabilities_.cycle = recorded_cycle(first);
     capabilities_.timestamp_mark = mark_of(first);
+    capabilities_.recorded = facts;
     if (!first.empty()) capabilities_.black_level = first.front().black_level;
   }
 

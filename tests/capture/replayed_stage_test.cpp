@@ -113,6 +113,38 @@ TEST_CASE("frames of a replay that differ in digital gain alone have the slots o
   }
 }
 
+TEST_CASE("a recording that plays the camera keeps its lens, its response and what its codes are") {
+  for (const bool linear : {false, true}) {
+    CameraFacts recorded = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+    recorded.linear = linear;
+    recorded.intrinsics = Intrinsics{40, 41, 16, 8};
+    recorded.white_balance = ChannelGains{1.5, 1, 2};
+    if (!linear) recorded.response.assign(3, std::vector<double>(256));
+    for (std::vector<double>& curve : recorded.response)
+      for (std::size_t z = 0; z < curve.size(); ++z) curve[z] = std::pow(static_cast<double>(z) / 255, 2);
+    auto frames = sample::frames(recorded, 6, 1);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].facts.exposure_s = i % 2 == 0 ? 0.001 : 0.004;
+      frames[i].facts.analogue_gain = frames[i].facts.digital_gain = 1;
+      frames[i].facts.slot = static_cast<int>(i % 2);
+    }
+    const std::string path = sample::scratch_folder("stage_camera") + "/r.mkv";
+    require_done(sample::record(posix_storage(), path, recorded, frames));
+    auto camera =
+        value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+    CaptureOptions options;
+    options.mode = camera->capabilities().modes.front();
+    const CameraFacts facts =
+        value_of(CaptureStage::open(*camera, nullptr, {}, Mains::Off, options))->facts();
+    CHECK(facts.name == "replay:" + path);
+    CHECK(facts.linear == linear);
+    REQUIRE(facts.intrinsics);
+    CHECK(facts.intrinsics->fy_px == 41);
+    CHECK(facts.white_balance == recorded.white_balance);
+    CHECK(facts.response == recorded.response);
+  }
+}
+
 TEST_CASE("settings of the camera's clock and delays move and doubt nothing of a recording that plays it") {
   CaptureOptions options;
   options.timestamp_mark = TimestampMark::ExposureEnd, options.delays = ControlDelays{1, 1};
