@@ -251,7 +251,7 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
 void CaptureStage::set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched,
                                        Duration exposure, FrameFacts& facts) {
   facts.sequence = buffer.sequence;
-  facts.timestamp = matched.centre(exposure, buffer.readout);
+  facts.timestamp = buffer.centre.value_or(matched.centre(exposure, buffer.readout));
   if (last_emitted_) {
     const std::uint64_t frames = std::max<std::uint64_t>(1, matched.index - last_emitted_->index);
     if (facts.sequence <= last_emitted_->sequence) facts.sequence = last_emitted_->sequence + frames;

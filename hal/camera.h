@@ -142,6 +142,7 @@ struct CapturedBuffer {
   std::uint64_t cookie = 0;          // of the request that it completed
   std::uint64_t sequence = 0;        // the driver's counter; a gap is a dropped frame
   Instant timestamp;                 // at the point that the capabilities' timestamp_mark names
+  std::optional<Instant> centre;     // of the exposure, where a recording states it
   bool damaged = false;              // the driver reports incomplete pixels
   std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;

@@ -15,7 +15,7 @@ namespace hdrcam {
 namespace {
 
 Instant stamp_of(const FrameFacts& facts, TimestampMark mark) {
-  if (!facts.has_exposure()) return facts.timestamp;
+  if (!facts.has_exposure() || !facts.has_exposure_time()) return facts.timestamp;
   const double half_s = (facts.exposure_s + facts.readout_s) / 2;
   return facts.timestamp + from_seconds(mark == TimestampMark::ExposureEnd ? half_s : -half_s);
 }
@@ -202,6 +202,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     --queued_, ++delivered_;
     buffer.sequence = facts.sequence;
     buffer.timestamp = stamp_of(facts, capabilities_.timestamp_mark);
+    buffer.centre = facts.timestamp;
     buffer.damaged = (facts.flags & kFrameDamaged) != 0;
     if (facts.exposure_source != ExposureSource::Unknown && facts.has_exposure()) {
       buffer.exposure = from_seconds(facts.exposure_s);

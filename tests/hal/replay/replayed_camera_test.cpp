@@ -73,6 +73,7 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
       REQUIRE(buffer.exposure == from_seconds(truth.facts.exposure_s));
       REQUIRE(buffer.analogue_gain == truth.facts.analogue_gain);
       REQUIRE(buffer.readout == std::chrono::microseconds(500));
+      REQUIRE(buffer.centre == truth.facts.timestamp);
       REQUIRE(buffer.exposure_source == ExposureSource::Embedded);
       REQUIRE(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
     }
