@@ -63,7 +63,7 @@ Result<void> ExposedStream::finish(const HandOn& hand_on) {
   if (started_) return {};
   if (waiting_.size() < 2)
     return Error{ErrorCode::TooShort,
-                 fmt::format("{} frame came; at least two with different exposures are needed",
+                 fmt::format("{} frame of a known exposure came; at least two with different ones are needed",
                              waiting_.empty() ? "no" : "only one")};
   return start(hand_on);
 }

@@ -67,12 +67,16 @@ Result<void> RecordingSource::finish(RunRecord& record) {
   for (std::string& warning : recording_->warnings()) record.notes.push_back(std::move(warning));
   if (copy_) TRY(copy_->finish());
   const bool too_few = kept_out_ > 0 && read_ >= 2 && read_ - kept_out_ < 2;
-  if (!too_few || counters.contradicted == 0 || !end_) return end_;
-  return Error{ErrorCode::BadExposure,
-               fmt::format("{} came, and {} kept out of the fit, because the pictures contradict their "
-                           "exposures; correct each exposure_s, or import the pictures with --shutter",
-                           counted(read_, "frame"),
-                           kept_out_ == read_ ? "all are" : fmt::format("{} are", kept_out_))};
+  if (!too_few || !end_) return end_;
+  return Error{
+      ErrorCode::BadExposure,
+      fmt::format("{} came, and {} kept out of the fit, because {}", counted(read_, "frame"),
+                  kept_out_ == read_ ? "all are" : fmt::format("{} are", kept_out_),
+                  counters.contradicted > 0
+                      ? "the pictures contradict their exposures; correct each exposure_s, or import the "
+                        "pictures with --shutter"
+                      : "their exposures are unknown, and the pictures do not tell them; export them, and "
+                        "import the pictures alone with --shutter")};
 }
 
 }  // namespace hdrcam

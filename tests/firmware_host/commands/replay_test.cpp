@@ -383,6 +383,27 @@ TEST_CASE("where pictures contradict every exposure, the run says so, not that n
   CHECK(refused.err.find("import the pictures with --shutter") != std::string::npos);
 }
 
+TEST_CASE("where neither a recording nor its pictures tell any exposure, the run says so") {
+  const std::string folder = sample::scratch_folder("replay_unknown"), path = folder + "/clip.mkv";
+  test::MovingScene scene;
+  scene.exposures_s = {0.004};
+  auto writer = create_recording(posix_storage(), path, scene.camera()).value();
+  for (int i = 0; i < 6; ++i) {
+    RawFrame frame = scene.frame(i);
+    frame.facts.exposure_s = 0;
+    frame.facts.exposure_source = ExposureSource::Unknown;
+    frame.facts.flags = kFrameExposureUnproved;
+    REQUIRE(writer->append(frame).ok());
+  }
+  REQUIRE(writer->finish().ok());
+  const RanHere refused =
+      ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"});
+  INFO(refused.err);
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::BadExposure));
+  CHECK(refused.err.find("6 frames came, and all are kept out of the fit, because their exposures are "
+                         "unknown") != std::string::npos);
+}
+
 TEST_CASE("^C ends the run with exit code 130") {
   const std::string folder = sample::scratch_folder("replay_stop"), clip = write_clip(folder, 6);
   const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
