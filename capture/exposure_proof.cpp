@@ -168,6 +168,34 @@ bool ExposureProof::another_explains_better(double claimed, const Explanations& 
   return explanations.fewest_outliers < kNever;
 }
 
+// Whether the picture differs from those of the claimed exposure as by the light of lamps on the mains, of
+// which a short exposure sees one moment: by less than a stop, by a third at most of what it differs from
+// those of any other exposure, and from these as the claim says, but for a part of that light.
+bool ExposureProof::differs_as_by_light(double claimed) const {
+  constexpr double kMost = 0.7, kShare = 1.0 / 3;
+  const auto each = [&](const auto& visit) {
+    for (std::size_t age = 1; age < count_; ++age)
+      if (const auto& ratio = back(0).ratio_from[age - 1]; ratio && back(age).judgement.trusted())
+        visit(*ratio, claimed - back(age).judgement.label.log_value());
+  };
+  double light = 0;
+  bool compared = false;
+  each([&](const PhotometricRatio& ratio, double difference) {
+    if (std::abs(difference) > kSameExposure) return;
+    compared = true;
+    if (std::abs(ratio.log_ratio) > std::abs(light)) light = ratio.log_ratio;
+  });
+  bool fits = compared && std::abs(light) <= kMost, others = false;
+  each([&](const PhotometricRatio& ratio, double difference) {
+    if (std::abs(difference) <= kSameExposure) return;
+    others = true;
+    const double bright = difference + std::max(light, 0.0), dark = difference + std::min(light, 0.0);
+    fits = fits && std::abs(light) <= kShare * std::abs(ratio.log_ratio) && ratio.low <= bright &&
+           dark <= ratio.high;
+  });
+  return fits && others;
+}
+
 // How far the truth may be from a label that the neighbours confirm: the width of the best ratio; through a
 // neighbour of the same exposure, at least that neighbour's own uncertainty.
 double ExposureProof::open_interval_ev(double label) const {
@@ -234,6 +262,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
       another_explains_better(claimed, explanations)) {
     judgement.verdict = Verdict::Contradicted;
+    judgement.as_by_light = differs_as_by_light(claimed);
   } else if (!claims_agree ||
              (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;

@@ -65,6 +65,7 @@ struct Judgement {
   double within_ev = 0;          // remaining uncertainty of a proved label, stops
   std::optional<double> unique;  // ln E from pictures and strobe alone, where they are unanimous
   bool strobe_refuses = false;   // the width of the strobe's pulse: the best claim
+  bool as_by_light = false;      // contradicted by no more than the light of lamps changes
 
   bool trusted() const {
     return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;
@@ -134,6 +135,7 @@ class ExposureProof {
   };
   Votes neighbours_on(double claimed) const;
   bool another_explains_better(double claimed, const Explanations& explanations) const;
+  bool differs_as_by_light(double claimed) const;
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "capture/exposure_schedule.h"
@@ -22,7 +23,7 @@ Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
       std::abs(*by_earlier.unique - *by_later.unique) > kSameExposure) {
     Judgement divided = by_earlier;
     divided.verdict = Verdict::Contradicted;
-    divided.relabelled = false;
+    divided.relabelled = divided.as_by_light = false;
     divided.unique.reset();
     return divided;
   }
@@ -32,11 +33,19 @@ Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   return by_earlier.trusted() ? by_later : by_earlier;
 }
 
-std::string described(double exposure_s, double gain) {
-  return describe(Exposure{from_seconds(exposure_s), gain});
+// Sources that state a frame by itself or by its place in a cycle. What a camera reports or what was
+// predicted for it may be an exposure that nobody asked for, and stays contradicted.
+bool is_stated(ExposureSource source) {
+  return source == ExposureSource::Embedded || source == ExposureSource::Declared ||
+         source == ExposureSource::Estimated;
 }
 
 }  // namespace
+
+RecordedLabels::Label RecordedLabels::label_of(const FrameFacts& facts) {
+  return {facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot,
+          facts.exposure_source == ExposureSource::Estimated};
+}
 
 double RecordedLabels::Label::log_value() const {
   return std::log(exposure_s * analogue_gain * digital_gain);
@@ -46,6 +55,16 @@ RecordedLabels::RecordedLabels(const CameraFacts& camera)
     : camera_(camera),
       photometer_(PhotometricResponse::before_any_fit(camera.linear, std::nullopt)),
       order_(kLeastOutOfOrder) {}
+
+// An estimated exposure has no time: stops from the middle of the cycle, as `info` shows it.
+std::string RecordedLabels::described(const Label& label) const {
+  if (!label.estimated)
+    return describe(Exposure{from_seconds(label.exposure_s), label.analogue_gain * label.digital_gain});
+  double middle = 0;
+  for (const Label& of_cycle : cycle_) middle += of_cycle.log_value() / static_cast<double>(cycle_.size());
+  const double stops = cycle_.empty() ? 0 : (label.log_value() - middle) / std::numbers::ln2;
+  return fmt::format("{:+.2f} EV", std::round(100 * stops) / 100 + 0.0);  // no -0.00
+}
 
 // The recording's claim about a frame; empty where the exposure is unknown. nullopt for a frame that cannot
 // be judged.
@@ -62,8 +81,7 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
 void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   constexpr std::size_t kRemembered = 16;  // labels: four rounds of the longest cycle
   if (!facts.has_exposure()) return;
-  const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot,
-                    facts.exposure_source == ExposureSource::Estimated};
+  const Label label = label_of(facts);
   const auto same = [](const Label& a) {
     return [value = a.log_value()](const Label& b) { return same_exposure(value, b.log_value()); };
   };
@@ -168,11 +186,13 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
     frame.proof.verdict = contradicted ? Verdict::Contradicted : Verdict::Unknown;
   } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
     frame.proof.verdict = Verdict::Proved;
+  } else if (!flagged && judgement.as_by_light && is_stated(facts.exposure_source)) {
+    frame.proof.verdict = Verdict::Plausible;
   }
   frame.proof.limit_to(facts.exposure_source);
   if (frame.proof.verdict == Verdict::Contradicted && facts.has_exposure()) {
     contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
-                         described(facts.exposure_s, facts.gain()));
+                         described(label_of(facts)));
   }
   facts.verdict = frame.proof.verdict;
   if (judgement.within_ev > 0 && std::isfinite(judgement.within_ev) && !facts.exposure_within_ev)
@@ -190,8 +210,7 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   if (found == cycle_.end()) return;
   if (facts.has_exposure())
     relabelled_.object("frame {}: its pictures changed its exposure from {} to {}", facts.sequence,
-                       described(facts.exposure_s, facts.gain()),
-                       described(found->exposure_s, found->analogue_gain * found->digital_gain));
+                       described(label_of(facts)), described(*found));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;

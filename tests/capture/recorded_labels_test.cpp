@@ -288,6 +288,38 @@ TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {
   }
 }
 
+TEST_CASE("a frame that lamps light otherwise than its neighbours keeps the exposure that is stated",
+          "[capture]") {
+  // The short exposure of frame 14 in more light than those before and after it.
+  const auto in_light = [](double light, ExposureSource source) {
+    const auto scene = scene_of({0.001, 0.016}), lit = scene_of({0.001 * light});
+    auto frames = filmed(scene, 24);
+    frames[14].codes = lit.frame(14).codes;
+    for (RawFrame& frame : frames) frame.facts.exposure_source = source;
+    return judged(scene, std::move(frames));
+  };
+  const Judged declared = in_light(1.5, ExposureSource::Declared);
+  CHECK(declared.counters.contradicted == 0);
+  CHECK(declared.facts[14].verdict == Verdict::Plausible);
+  CHECK(declared.facts[14].exposure_s == 0.001);
+  CHECK(declared.warnings.empty());
+  CHECK(in_light(1.5, ExposureSource::Estimated).counters.estimated == 24);
+  // A camera may have exposed otherwise than it says; and no lamp makes that much of a difference.
+  CHECK(in_light(1.5, ExposureSource::Reported).facts[14].verdict == Verdict::Contradicted);
+  CHECK(in_light(2.5, ExposureSource::Declared).facts[14].verdict == Verdict::Contradicted);
+}
+
+TEST_CASE("an estimated exposure that the pictures contradict is told in stops, for it has no time",
+          "[capture]") {
+  const auto scene = scene_of({0.001, 0.016}), brighter = scene_of({0.0025});
+  auto frames = filmed(scene, 24);
+  frames[14].codes = brighter.frame(14).codes;
+  for (RawFrame& frame : frames) frame.facts.exposure_source = ExposureSource::Estimated;
+  const Judged result = judged(scene, std::move(frames));
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings.front().ends_with("frame 14: its pictures contradict its exposure of -2.00 EV"));
+}
+
 TEST_CASE("asked to be strict, a recording ends at the first exposure that its pictures contradict",
           "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
