@@ -40,9 +40,21 @@ bool EarlierFrames::remains(const std::string& path) const {
   return file != files_.end() && file->path == known && remains(*file);
 }
 
-bool EarlierFrames::has_new() const {
+std::optional<std::string> EarlierFrames::first_new() const {
   const EarlierFrames now(storage_, pattern_);
-  return std::ranges::any_of(now.files_, [this](const File& file) { return !remains(file.path); });
+  const auto came =
+      std::ranges::find_if(now.files_, [this](const File& file) { return !remains(file.path); });
+  return came == now.files_.end() ? std::nullopt : std::optional(came->path);
+}
+
+Result<void> EarlierFrames::check_none_came() const {
+  const auto came = first_new();
+  if (!came) return {};
+  return Error{
+      ErrorCode::Exists,
+      fmt::format("'{}' was written by another program meanwhile; it stays, and this run has none of "
+                  "'{}'; name other files",
+                  *came, pattern_)};
 }
 
 std::string EarlierFrames::warning() const {
@@ -52,7 +64,7 @@ std::string EarlierFrames::warning() const {
   std::vector<std::string> left;
   for (const File& file : files_)
     if (remains(file)) left.push_back(file.path);
-  if (left.empty() || !has_new()) return "";
+  if (left.empty() || !first_new()) return "";
   return fmt::format(
       "{} file(s) of an earlier run remain beside the new ones, from '{}' to '{}'; remove them "
       "before '{}' is read as one clip",

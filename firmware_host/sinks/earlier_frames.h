@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ class EarlierFrames {
 
   // Whether that file, of the pattern's folder, was there before the run and the run has not replaced it.
   bool remains(const std::string& path) const;
+  // Before the run's first file. Errors: Exists where another program has written one of such a name since.
+  Result<void> check_none_came() const;
   // After the run: a sentence about the files that lie beside its own, or that they are not known; "" where
   // there are none, or where the run wrote none.
   std::string warning() const;
@@ -40,7 +43,7 @@ class EarlierFrames {
     FileFacts facts;  // before the run
   };
   bool remains(const File& file) const;
-  bool has_new() const;  // files that the run wrote
+  std::optional<std::string> first_new() const;  // of the files that came since
 
   Storage& storage_;
   const std::string pattern_;

@@ -16,7 +16,8 @@ namespace hdrcam {
 using WriteFrame = std::function<Result<void>(const EmittedFrame&, Storage&, const std::string& path)>;
 
 // Makes the folder. flag, pattern, extension: as FramePattern::parse takes them. Errors: those of parse() and
-// of the storage; emit() returns those of `write`.
+// of the storage; emit() returns those of `write`, and of the first frame Exists where another run has
+// written files of such names since.
 Result<std::unique_ptr<FrameSink>> create_numbered_files(Storage& storage, std::string_view flag,
                                                          std::string_view pattern, std::string_view extension,
                                                          WriteFrame write);
