@@ -113,10 +113,22 @@ std::string_view exif_text(const AVFrame& frame, const char* tag) {
   return entry != nullptr ? entry->value : "";
 }
 
+// Exif 2.3, 4.6.5: PhotographicSensitivity has 16 bits, and its largest value stands for any beyond, which
+// one of three others states. FFmpeg has no names for them, newer ones do.
+std::optional<double> exif_iso(const AVFrame& frame) {
+  constexpr double kOrMore = 65535;
+  const auto iso = exif_number(frame, "ISOSpeedRatings");
+  if (!iso || *iso < kOrMore) return iso;
+  for (const char* const tag :
+       {"0x8832", "RecommendedExposureIndex", "0x8833", "ISOSpeed", "0x8831", "StandardOutputSensitivity"})
+    if (const auto stated = exif_number(frame, tag)) return stated;
+  return std::nullopt;
+}
+
 void add_exposure(const AVFrame& frame, FrameFacts& facts) {
   const auto time_s = exif_number(frame, "ExposureTime");
   if (!time_s) return;
-  take_exif_exposure({*time_s, exif_number(frame, "ISOSpeedRatings"), exif_number(frame, "FNumber")}, facts);
+  take_exif_exposure({*time_s, exif_iso(frame), exif_number(frame, "FNumber")}, facts);
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.

@@ -95,6 +95,7 @@ struct Exif {
   std::uint32_t f_number_tenths = 28;
   // DateTimeOriginal and what goes with it; "": none.
   std::string date_time = {}, sub_second = {}, offset = {};
+  std::uint32_t exposure_index = 0;  // the sensitivity beyond 16 bits; 0: not stated
 };
 
 // The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory.
@@ -105,6 +106,7 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
   tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
   tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
+  if (exif.exposure_index > 0) tags.longs(tiff_tag::kRecommendedExposureIndex, {exif.exposure_index});
   const auto text = [&](std::uint16_t tag, const std::string& value) {
     if (!value.empty()) tags.text(tag, value);
   };

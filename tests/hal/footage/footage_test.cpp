@@ -242,6 +242,20 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
   CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
+TEST_CASE("a sensitivity beyond 65535 is the one that EXIF states beside it") {
+  const std::string folder = sample::scratch_folder("footage_iso");
+  test::Exif exif{1, 1000, 65535, 28};
+  exif.exposure_index = 204800;
+  test::write_jpeg(folder + "/a.jpg", patches(0), exif);
+  exif.iso = 51200;  // what stands beside it does not count
+  test::write_jpeg(folder + "/b.jpg", patches(1), exif);
+  const Read bracket = read({folder + "/a.jpg", folder + "/b.jpg"});
+  REQUIRE_FALSE(bracket.error);
+  REQUIRE(bracket.frames.size() == 2);
+  CHECK(bracket.frames[0].facts.analogue_gain == Approx(2048));
+  CHECK(bracket.frames[1].facts.analogue_gain == Approx(512));
+}
+
 TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is no frame") {
   const std::string folder = sample::scratch_folder("footage_second_picture");
   test::write_jpeg(folder + "/preview.jpg", patches(7, 32, 48), std::nullopt);
