@@ -21,6 +21,15 @@ namespace {
 
 constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
 
+// The first files that do and do not state a factor of the exposure; "": none.
+struct Statement {
+  std::string by, not_by;
+
+  void note(bool stated, const std::string& path) {
+    if (std::string& first = stated ? by : not_by; first.empty()) first = path;
+  }
+};
+
 // What one look at all frames leaves: their facts, and how the pictures compare.
 struct Scan {
   CameraFacts camera;
@@ -30,6 +39,7 @@ struct Scan {
   bool stills = false;  // at least one
   std::string timed;    // the first video that says when its frames are; "": none
   StepsByLag steps;
+  Statement iso, f_number;
   std::string silent;  // the first file with a frame whose exposure it does not state; "": none
   std::vector<FootageLosses> losses;
 };
@@ -56,6 +66,8 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
     seen.taken.push_back(footage.taken());
     seen.stills |= footage.still();
     if (seen.timed.empty() && footage.timed()) seen.timed = footage.path();
+    seen.iso.note(footage.factors().iso, footage.path());
+    seen.f_number.note(footage.factors().f_number, footage.path());
     if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
       seen.silent = footage.path();
   }
@@ -126,6 +138,27 @@ void read_times(Scan& seen, TimeOrigin times) {
   for (std::size_t i = 0; i < intervals_s.size(); ++i)
     seen.steps[0][i].missing =
         static_cast<int>(std::clamp(std::round(intervals_s[i] / usual_s) - 1, 0.0, kMostMissing));
+}
+
+// A factor that some files leave out has a value that nobody knows beside those of the others; one that all
+// leave out is taken to stay as it is.
+Result<void> check_stated(const Scan& seen) {
+  if (!seen.silent.empty())
+    return Error{ErrorCode::BadExposure,
+                 fmt::format("'{}' does not say how its frames were exposed; give the cycle with --shutter "
+                             "1ms,4ms,16ms, or --shutter auto to have it estimated",
+                             seen.silent)};
+  const auto check = [](const Statement& statement, const char* factor) -> Result<void> {
+    if (statement.by.empty() || statement.not_by.empty()) return {};
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("'{}' does not state its {} and '{}' does, so that their exposures cannot be "
+                    "compared; give the cycle with --shutter and --gain, or --shutter auto to have it "
+                    "estimated",
+                    statement.not_by, factor, statement.by)};
+  };
+  TRY(check(seen.iso, "sensitivity (ISO)"));
+  return check(seen.f_number, "f-number");
 }
 
 // Time and gain of a slot are those of its first frame.
@@ -256,11 +289,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
                              "--framerate",
                              plan.camera.name, *objection)};
   if (request.shutter.empty()) {
-    if (!seen.silent.empty())
-      return Error{ErrorCode::BadExposure,
-                   fmt::format("'{}' does not say how its frames were exposed; give the cycle with --shutter "
-                               "1ms,4ms,16ms, or --shutter auto to have it estimated",
-                               seen.silent)};
+    TRY(check_stated(seen));
     take_stated(seen, plan);
     return plan;
   }

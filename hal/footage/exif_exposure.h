@@ -15,6 +15,14 @@ struct ExifExposure {
   std::optional<double> iso, f_number;  // none: not stated, and the gain stays as it is
 };
 
+// Which of the two a file states beside the time.
+struct ExifFactors {
+  bool iso = false, f_number = false;
+};
+inline ExifFactors factors_of(const ExifExposure& stated) {
+  return {stated.iso.has_value(), stated.f_number.has_value()};
+}
+
 inline void take_exif_exposure(const ExifExposure& stated, FrameFacts& facts) {
   constexpr double kIsoOfUnitGain = 100;
   facts.exposure_source = ExposureSource::Embedded;

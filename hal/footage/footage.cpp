@@ -82,6 +82,7 @@ class FootageFiles : public FootageReader {
   std::string about() const override { return about_; }
 
   std::optional<ExifTime> taken() const override { return taken_; }
+  ExifFactors factors() const override { return factors_; }
   const std::string& path() const override { return files_[next_file_ - 1]; }
   bool still() const override { return still_; }
   bool timed() const override { return timed_; }
@@ -120,6 +121,7 @@ class FootageFiles : public FootageReader {
     frame.facts.timestamp = TRY(time_of(frame.facts.timestamp.since_boot));
     frame.facts.sequence = frames_++;
     taken_ = file_->taken();
+    factors_ = file_->factors();
     still_ = file_->facts().framerate_hz == 0;
     timed_ = file_->facts().timed;
     last_ = frame.facts.timestamp;
@@ -162,6 +164,7 @@ class FootageFiles : public FootageReader {
   Instant begin_;
   std::optional<Instant> last_;
   std::optional<ExifTime> taken_;
+  ExifFactors factors_;
   bool still_ = false, timed_ = false;
   std::vector<FootageLosses> losses_;
   RawFrame ahead_;  // the first frame, which says what the clip is

@@ -38,6 +38,8 @@ class FootageReader {
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it.
   virtual std::optional<ExifTime> taken() const = 0;
+  // Which factors of the exposure its file states, beside the time.
+  virtual ExifFactors factors() const = 0;
   // The file of that frame, whether it is a still, and whether it says itself when its frames are.
   virtual const std::string& path() const = 0;
   virtual bool still() const = 0;

@@ -7,6 +7,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
+#include "hal/footage/exif_exposure.h"
 #include "hal/footage/exif_time.h"
 
 namespace hdrcam {
@@ -38,6 +39,8 @@ class PictureFile {
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it.
   virtual std::optional<ExifTime> taken() const { return std::nullopt; }
+  // Which factors of the exposure its file states, beside the time.
+  virtual ExifFactors factors() const { return {}; }
   // Of what was read so far; complete at the end.
   virtual PictureLosses losses() const { return {}; }
 };

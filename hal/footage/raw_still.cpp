@@ -87,6 +87,7 @@ class RawStill : public PictureFile {
   }
 
   std::optional<ExifTime> taken() const override { return taken_; }
+  ExifFactors factors() const override { return factors_; }
 
   Result<void> develop(LibRaw& raw, const TimeTexts& times, const std::string& path) {
     const auto layout = layout_of(raw);
@@ -132,12 +133,15 @@ class RawStill : public PictureFile {
     const auto stated = [](float value) {
       return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
     };
-    take_exif_exposure({static_cast<double>(other.shutter), stated(other.iso_speed), stated(other.aperture)},
-                       facts);
+    const ExifExposure exposure{static_cast<double>(other.shutter), stated(other.iso_speed),
+                                stated(other.aperture)};
+    take_exif_exposure(exposure, facts);
+    factors_ = factors_of(exposure);
   }
 
   PictureFileFacts facts_;
   std::optional<ExifTime> taken_;
+  ExifFactors factors_;
   RawFrame frame_;
   bool read_ = false;
 };

@@ -125,10 +125,10 @@ std::optional<double> exif_iso(const AVFrame& frame) {
   return std::nullopt;
 }
 
-void add_exposure(const AVFrame& frame, FrameFacts& facts) {
+std::optional<ExifExposure> exif_exposure(const AVFrame& frame) {
   const auto time_s = exif_number(frame, "ExposureTime");
-  if (!time_s) return;
-  take_exif_exposure({*time_s, exif_iso(frame), exif_number(frame, "FNumber")}, facts);
+  if (!time_s) return std::nullopt;
+  return ExifExposure{*time_s, exif_iso(frame), exif_number(frame, "FNumber")};
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.
@@ -402,8 +402,13 @@ Result<bool> VideoFile::next(RawFrame& frame) {
   if (frame_->best_effort_timestamp != AV_NOPTS_VALUE)
     frame.facts.timestamp.since_boot = Duration(av_rescale_q(
         frame_->best_effort_timestamp - (start == AV_NOPTS_VALUE ? 0 : start), tick, {1, 1'000'000'000}));
-  add_exposure(*frame_, frame.facts);
+  if (const auto stated = exif_exposure(*frame_)) take_exif_exposure(*stated, frame.facts);
   return true;
+}
+
+ExifFactors VideoFile::factors() const {
+  const auto stated = exif_exposure(*frame_);
+  return stated ? factors_of(*stated) : ExifFactors{};
 }
 
 std::optional<ExifTime> VideoFile::taken() const {

@@ -26,6 +26,7 @@ class VideoFile : public PictureFile {
   // RGB.
   Result<bool> next(RawFrame& frame) override;
   std::optional<ExifTime> taken() const override;
+  ExifFactors factors() const override;
   PictureLosses losses() const override { return losses_; }
 
  private:

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/footage/footage_plan.h"
@@ -320,6 +321,34 @@ TEST_CASE("the first file that does not say its exposure is named, not the first
   const auto refused = import_verb(folder + " -o " + folder + "/x.mkv");
   CHECK(sample::error_of(refused).code == ErrorCode::BadExposure);
   CHECK_THAT(sample::error_of(refused).message, Contains("/IMG_4.JPG' does not say"));
+}
+
+TEST_CASE(
+    "a sensitivity or an f-number that some files leave out is not guessed at, one that all leave out is no "
+    "matter") {
+  const auto imported = [](const char* name, const std::function<void(int, test::Exif&)>& change) {
+    const std::string folder = sample::scratch_folder(name);
+    for (int i = 0; i < 6; ++i) {
+      test::Exif exif{1u << 2 * (i % 3), 1000, 400, 80};
+      change(i, exif);
+      test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
+    }
+    return import_verb(folder + " -o " + folder + "/x.mkv");
+  };
+  const auto no_iso = imported("import_no_iso", [](int i, test::Exif& exif) {
+    if (i == 4) exif.iso = 0;
+  });
+  CHECK(sample::error_of(no_iso).code == ErrorCode::BadExposure);
+  CHECK_THAT(sample::error_of(no_iso).message,
+             Contains("/IMG_4.JPG' does not state its sensitivity") && Contains("/IMG_0.JPG' does"));
+  const auto no_aperture = imported("import_no_aperture", [](int i, test::Exif& exif) {
+    if (i == 0) exif.f_number_tenths = 0;
+  });
+  CHECK(sample::error_of(no_aperture).code == ErrorCode::BadExposure);
+  CHECK_THAT(sample::error_of(no_aperture).message,
+             Contains("/IMG_0.JPG' does not state its f-number") && Contains("/IMG_1.JPG' does"));
+  CHECK(
+      imported("import_neither", [](int, test::Exif& exif) { exif.iso = 0, exif.f_number_tenths = 0; }).ok());
 }
 
 TEST_CASE("stills without any time come at the frame rate, and the list says so") {
