@@ -99,10 +99,12 @@ class FootageFiles : public FootageReader {
         file_->facts().bits != camera_.bits || file_->facts().layout != camera_.layout)
       return Error{
           ErrorCode::SizeChanged,
-          fmt::format("'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}",
-                      path(), frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
-                      name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
-                      name(camera_.layout))};
+          fmt::format(
+              "'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}; name the "
+              "files of one kind and size",
+              path(), frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
+              name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
+              name(camera_.layout))};
     return true;
   }
 
@@ -197,8 +199,11 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
       files.push_back(path.string());
   if (listing.failure()) return listing.cannot_read();
   if (files.empty())
-    return Error{ErrorCode::NotFound,
-                 fmt::format("there is neither a clip.json nor a picture nor a video in '{}'", folder)};
+    return Error{
+        ErrorCode::NotFound,
+        fmt::format("there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; name "
+                    "files of other kinds one by one",
+                    folder)};
   std::ranges::sort(files, before);
   return files;
 }

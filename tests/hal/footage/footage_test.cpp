@@ -299,6 +299,8 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   CHECK(files.value() == expected);
   const std::string empty = sample::scratch_folder("footage_empty");
   CHECK(sample::error_of(footage_in(empty)).code == ErrorCode::NotFound);
+  std::ofstream(empty + "/x.bmp") << "x";  // such are read where they are named
+  CHECK_THAT(sample::error_of(footage_in(empty)).message, Contains(empty) && Contains("name files of other"));
 }
 
 TEST_CASE("what is no footage is an error that names the file") {
@@ -314,7 +316,8 @@ TEST_CASE("what is no footage is an error that names the file") {
   const Read sizes = read({png(folder + "/a.png", patches(0)), png(folder + "/b.png", patches(0, 32, 96))});
   REQUIRE(sizes.error);
   CHECK(sizes.error->code == ErrorCode::SizeChanged);
-  CHECK_THAT(sizes.error->message, Contains("b.png") && Contains("96x32"));
+  CHECK_THAT(sizes.error->message,
+             Contains("b.png") && Contains("96x32") && Contains("of one kind and size"));
 }
 
 TEST_CASE("a name is no pattern, and a playlist opens nothing") {
