@@ -144,10 +144,12 @@ void read_times(Scan& seen, TimeOrigin times) {
 // leave out is taken to stay as it is.
 Result<void> check_stated(const Scan& seen) {
   if (!seen.silent.empty())
-    return Error{ErrorCode::BadExposure,
-                 fmt::format("'{}' does not say how its frames were exposed; give the cycle with --shutter "
-                             "1ms,4ms,16ms, or --shutter auto to have it estimated",
-                             seen.silent)};
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("'{}' does not say how its frames were exposed, as the EXIF of JPEG and raw stills "
+                    "does; give the cycle with --shutter 1ms,4ms,16ms, or --shutter auto to have it "
+                    "estimated",
+                    seen.silent)};
   const auto check = [](const Statement& statement, const char* factor) -> Result<void> {
     if (statement.by.empty() || statement.not_by.empty()) return {};
     return Error{

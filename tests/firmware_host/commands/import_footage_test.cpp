@@ -320,7 +320,8 @@ TEST_CASE("the first file that does not say its exposure is named, not the first
                      i == 4 ? std::nullopt : std::optional(test::Exif{1, 100, 100, 80}));
   const auto refused = import_verb(folder + " -o " + folder + "/x.mkv");
   CHECK(sample::error_of(refused).code == ErrorCode::BadExposure);
-  CHECK_THAT(sample::error_of(refused).message, Contains("/IMG_4.JPG' does not say"));
+  CHECK_THAT(sample::error_of(refused).message,
+             Contains("/IMG_4.JPG' does not say") && Contains("EXIF of JPEG and raw stills"));
 }
 
 TEST_CASE(
