@@ -233,6 +233,14 @@ class PlannedFootage : public RecordingReader {
           fmt::format("'{}' had {} frames, and {} when it was read again: it changed meanwhile; import "
                       "it again",
                       plan_.camera.name, plan_.facts.size(), next_)};
+    if (room.facts.timestamp != plan_.as_read[next_])
+      return Error{
+          ErrorCode::Corrupt,
+          fmt::format(
+              "frame {} of '{}' is another one when it is read again: the footage changed meanwhile, or "
+              "is damaged so that it decodes otherwise each time; import it again, or what ffmpeg -i "
+              "makes of it",
+              next_, plan_.camera.name)};
     return std::optional(RawFrame{plan_.facts[next_++], std::move(room.codes)});
   }
 
@@ -281,6 +289,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
   Scan seen = TRY(scan(*footage, stop));
   FootagePlan plan;
+  for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
   if (plan.times == TimeOrigin::Files) TRY(take_regular_times(seen, request.framerate_hz, plan.time_trouble));
   read_times(seen, plan.times);

@@ -47,6 +47,7 @@ struct FootagePlan {
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle
   std::vector<FrameFacts> facts;
+  std::vector<Instant> as_read;       // when each frame is, by the reader of the footage
   std::vector<FootageLosses> losses;  // of files that are not whole
 };
 
@@ -59,7 +60,8 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
 // The plan of a clip that says its exposures itself. facts: of its frames, in order.
 FootagePlan plan_of_clip(CameraFacts camera, std::vector<FrameFacts> facts);
 
-// The frames of the plan. Errors: those of open_footage.
+// The frames of the plan. Errors: those of open_footage; of a frame Corrupt or Truncated where the footage is
+// not read as it was for the plan.
 Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
                                                       const FootagePlan& plan);
 

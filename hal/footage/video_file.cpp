@@ -184,7 +184,10 @@ Result<void> VideoFile::open_decoder() {
   if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
   const AVStream& stream = *demuxer_->streams[track_];
   decoder_.reset(avcodec_alloc_context3(codec));
-  decoder_->thread_count = 0;  // as many as there are processors
+  // As many threads as there are processors, on parts of one frame. On several frames, some would refer to
+  // one whose damage is not known yet, and which are whole would differ from reading to reading.
+  decoder_->thread_count = 0;
+  decoder_->thread_type = FF_THREAD_SLICE;
   // No picture whose rest is made up; of TIFF it would refuse every one with a tag that FFmpeg does not know,
   // such as the unit of resolution.
   const bool explodes = codec->id != AV_CODEC_ID_TIFF;

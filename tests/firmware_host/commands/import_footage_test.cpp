@@ -372,6 +372,26 @@ TEST_CASE("of cut footage what is there is imported, and the end says how much i
   check_labels(path + ".mkv", filmed(0, static_cast<int>(replayed.frames.size()), {}));
 }
 
+TEST_CASE("footage that is another one when it is read again gives no frame another's exposure") {
+  FootageRequest request;
+  request.files = {sample::scratch_folder("import_again") + "/x.mkv"};
+  request.shutter = "1ms,4ms,16ms";
+  const std::atomic<bool> stop = false;
+  REQUIRE(test::write_video(request.files[0], VideoCodec::H264, pictures(filmed(0, 24, {}))).ok());
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  const std::vector<int> frames = filmed(0, 26, {9, 10});  // as many as before
+  std::vector<double> times_s;
+  for (const int i : frames) times_s.push_back(i / 30.0);
+  REQUIRE(test::write_video(request.files[0], VideoCodec::H264, pictures(frames), times_s).ok());
+  auto again = open_planned(posix_storage(), request, plan.value());
+  REQUIRE(again.ok());
+  for (int i = 0; i < 9; ++i) REQUIRE(again.value()->next({}).ok());
+  const auto other = again.value()->next({});
+  CHECK(sample::error_of(other).code == ErrorCode::Corrupt);
+  CHECK_THAT(sample::error_of(other).message, Contains("frame 9 of 'x' is another one"));
+}
+
 TEST_CASE("a damaged still ends the import, and nothing is written") {
   const std::string folder =
       write_bracket("import_damaged", std::vector<std::string>(9), std::vector<std::string>(9));

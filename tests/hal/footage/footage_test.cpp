@@ -466,14 +466,22 @@ TEST_CASE("a video that states an impossible end puts no frame of the next one b
   CHECK_THAT(read_back.error->message, Contains("/b.mkv', would come"));
 }
 
-TEST_CASE("damaged frames of a video are left out and counted, and the others keep their times") {
-  const std::string path = sample::scratch_folder("footage_damaged") + "/x.mp4";
+namespace {
+
+// A video of 20 pictures, a tenth of its bytes zeros.
+void write_damaged(const std::string& path) {
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(20)).ok());
   const auto size = static_cast<std::streamoff>(std::filesystem::file_size(path));
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   const std::string zeros(static_cast<std::size_t>(size / 10), '\0');
   file.seekp(size / 2).write(zeros.data(), static_cast<std::streamsize>(zeros.size()));
-  file.close();
+}
+
+}  // namespace
+
+TEST_CASE("damaged frames of a video are left out and counted, and the others keep their times") {
+  const std::string path = sample::scratch_folder("footage_damaged") + "/x.mp4";
+  write_damaged(path);
   const Read read_back = read({path});
   CHECK_FALSE(read_back.error);
   REQUIRE(read_back.losses.size() == 1);
@@ -485,6 +493,19 @@ TEST_CASE("damaged frames of a video are left out and counted, and the others ke
     CHECK(number == Approx(std::round(number)).margin(1e-3));
     CHECK(difference(frame, 10, patches(static_cast<int>(std::lround(number)))) < 3);
   }
+}
+
+TEST_CASE("a damaged video has the same whole frames whenever it is read") {
+  const std::string path = sample::scratch_folder("footage_damaged_again") + "/x.mp4";
+  write_damaged(path);
+  const auto times = [&] {
+    std::vector<double> times_s;
+    for (const RawFrame& frame : read({path}).frames) times_s.push_back(frame.facts.timestamp.seconds());
+    return times_s;
+  };
+  const std::vector<double> first = times();
+  CHECK(first.size() < 20);
+  for (int i = 0; i < 8; ++i) CHECK(times() == first);
 }
 
 TEST_CASE("a damaged still is an error that names it, wherever it stands") {
