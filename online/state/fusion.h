@@ -71,8 +71,6 @@ class Fusion {
  public:
   Fusion(FusionOptions options, WorkerPool& pool) : options_(options), pool_(pool) {}
 
-  const FusionOptions& options() const { return options_; }
-
   // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code around the place
   // of a warped one, or codes itself.
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,

@@ -32,9 +32,6 @@ class TextureError {
   // The share of the local contrast (variance of 3x3 pixels) that a sample's variance has on top of its
   // noise. `least` for cameras that leave textures alone.
   float share() const;
-  // As measured, with what imperfect matches leave. It starts at that of a sharp camera: the first frames
-  // are compared with a state that is hardly better than they are.
-  float disagreement() const { return disagreement_; }
 
  private:
   struct Seen {
@@ -51,6 +48,8 @@ class TextureError {
   const float least_;
   std::vector<float> shares_;       // of the current frame, line by line
   std::vector<std::size_t> found_;  // in each line
+  // The share as measured, with what imperfect matches leave. It starts at that of a sharp camera: the first
+  // frames are compared with a state that is hardly better than they are.
   float disagreement_ = 0.03f;
 };
 

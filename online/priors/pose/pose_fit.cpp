@@ -123,7 +123,6 @@ bool point_residual(const ScenePoint& point, double inverse_depth, const Intrins
   residual.px = p.px - point.seen_px;
   residual.per_inverse_depth = p.per_y * p.baseline;
   residual.squared_sigmas = residual.px.squaredNorm() / (point.sigma_px * point.sigma_px);
-  residual.camera_z = p.y.z();
   return true;
 }
 

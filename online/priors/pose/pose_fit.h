@@ -85,7 +85,6 @@ struct PointResidual {
   Eigen::Vector2d px;                 // pi - seen
   Eigen::Vector2d per_inverse_depth;  // d px / d inverse depth
   double squared_sigmas = 0;
-  double camera_z = 0;  // inverse depth in this camera = d / camera_z
 };
 bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
                     const RigidTransform& T_camera_world, PointResidual& residual);

@@ -15,18 +15,6 @@ constexpr double kAssumedFieldOfView_deg = 55;
 
 }  // namespace
 
-const char* name(CameraMotion motion) {
-  switch (motion) {
-    case CameraMotion::Static:
-      return "still";
-    case CameraMotion::Rotation:
-      return "rotation";
-    case CameraMotion::General:
-      return "general";
-  }
-  return "unknown";
-}
-
 Intrinsics assumed_intrinsics(int rows, int cols) {
   const double focal_px = 0.5 * cols / std::tan(0.5 * kAssumedFieldOfView_deg * std::numbers::pi / 180);
   return {.fx_px = focal_px, .fy_px = focal_px, .cx_px = 0.5 * cols, .cy_px = 0.5 * rows};

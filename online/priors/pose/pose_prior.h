@@ -21,7 +21,6 @@ namespace hdrcam {
 // The camera's motion since the previous frame. Static and Rotation are exact: the pose or its translation is
 // kept.
 enum class CameraMotion { Static, Rotation, General };
-const char* name(CameraMotion motion);
 
 // A tracked point of the scene as this frame sees it.
 struct DepthSample {

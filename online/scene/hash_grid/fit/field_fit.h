@@ -67,7 +67,6 @@ class FieldFit {
   // Reinitialises the networks, with the same shape.
   FieldNetworks<float> fresh_networks(std::uint64_t seed) const;
   const FitCounts& counts() const { return state_.health.counts(); }
-  const FieldOptions& options() const { return options_; }
   const LearnedResponse<float>& response() const { return state_.response; }
 
  private:

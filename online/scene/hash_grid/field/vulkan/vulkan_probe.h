@@ -19,8 +19,6 @@ class VulkanProbe {
   Result<void> look(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays,
                     std::span<ProbeAnswer> answers);
 
-  const GpuFacts& device() const { return device_.facts(); }
-
  private:
   enum Pass : std::size_t { kPlace, kEncode, kNetwork, kMove, kAnswer, kPasses };
   // Memory of the device that grows when more is asked of it.

@@ -40,8 +40,6 @@ class VulkanFit {
   // The parameters with their moments as the steps have left them. On an error they stay as they were.
   Result<void> collect(OptimisedBranches& branches);
 
-  const GpuFacts& device() const { return device_.facts(); }
-
  private:
   struct Due {
     AdamStep table_step, network_step;
