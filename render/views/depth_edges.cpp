@@ -9,15 +9,20 @@
 #include "render/srgb.h"
 
 namespace hdrcam {
+namespace {
 
-void DepthEdges::follow(const Image<float>& radiance, float offset, const DepthEdgeOptions& options,
-                        Image<float>& inverse_depth) {
+constexpr float kReach_px = 24;  // sigma in space where the picture is even
+constexpr float kStep = 0.5f;    // of ln luminance: a step as large counts as the whole reach
+
+}  // namespace
+
+void DepthEdges::follow(const Image<float>& radiance, float offset, Image<float>& inverse_depth) {
   constexpr int kRounds = 3;
   take_median(inverse_depth, calm_);
-  measure_gaps(radiance, offset, options);
+  measure_gaps(radiance, offset);
   for (int round = 0; round < kRounds; ++round) {
     // each round half as far as the one before; their variances add up to that of the reach
-    const float sigma = options.reach_px * std::sqrt(3.f) * static_cast<float>(1 << (kRounds - round - 1)) /
+    const float sigma = kReach_px * std::sqrt(3.f) * static_cast<float>(1 << (kRounds - round - 1)) /
                         std::sqrt(static_cast<float>((1 << (2 * kRounds)) - 1));
     smooth_rows(sigma, calm_);
     smooth_cols(sigma, calm_);
@@ -42,20 +47,20 @@ void DepthEdges::take_median(const Image<float>& in, Image<float>& out) {
   });
 }
 
-void DepthEdges::measure_gaps(const Image<float>& radiance, float offset, const DepthEdgeOptions& options) {
+void DepthEdges::measure_gaps(const Image<float>& radiance, float offset) {
   const int rows = radiance.rows(), cols = radiance.cols();
   log_luminance_.reshape(1, rows, cols);
   for (std::size_t i = 0; i < log_luminance_.size(); ++i)
     log_luminance_.samples()[i] =
         std::log(offset + luminance(radiance.plane(0)[i], radiance.plane(1)[i], radiance.plane(2)[i]));
   gap_.reshape(2, rows, cols);
-  const float per_step = options.reach_px / options.step;
+  constexpr float kPerStep = kReach_px / kStep;
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols; ++x) {
         const float here = log_luminance_.at(0, y, x);
-        gap_.at(0, y, x) = 1 + per_step * std::abs(here - log_luminance_.at(0, y, std::max(x - 1, 0)));
-        gap_.at(1, y, x) = 1 + per_step * std::abs(here - log_luminance_.at(0, std::max(y - 1, 0), x));
+        gap_.at(0, y, x) = 1 + kPerStep * std::abs(here - log_luminance_.at(0, y, std::max(x - 1, 0)));
+        gap_.at(1, y, x) = 1 + kPerStep * std::abs(here - log_luminance_.at(0, std::max(y - 1, 0), x));
       }
   });
 }

@@ -10,23 +10,17 @@
 
 namespace hdrcam {
 
-struct DepthEdgeOptions {
-  float reach_px = 24;  // sigma in space where the picture is even
-  float step = 0.5f;    // of ln luminance: a step as large counts as the whole reach
-};
-
 class DepthEdges {
  public:
   explicit DepthEdges(WorkerPool& pool) : pool_(pool) {}
 
   // radiance: [rgb, rows, cols]; offset: differences of radiance below it are noise; inverse_depth: [1, rows,
   // cols] > 0, is replaced.
-  void follow(const Image<float>& radiance, float offset, const DepthEdgeOptions& options,
-              Image<float>& inverse_depth);
+  void follow(const Image<float>& radiance, float offset, Image<float>& inverse_depth);
 
  private:
   void take_median(const Image<float>& in, Image<float>& out);
-  void measure_gaps(const Image<float>& radiance, float offset, const DepthEdgeOptions& options);
+  void measure_gaps(const Image<float>& radiance, float offset);
   void smooth_rows(float sigma, Image<float>& depth);
   void smooth_cols(float sigma, Image<float>& depth);
 

@@ -145,7 +145,7 @@ void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float shar
         out.size.at(0, row, col) = scale / z;
       }
   });
-  draw_mesh(out, {}, view.rows, view.cols, pool_, source.answer);
+  draw_mesh(out, view.rows, view.cols, pool_, source.answer);
 }
 
 void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {

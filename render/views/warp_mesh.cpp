@@ -8,6 +8,7 @@ namespace hdrcam {
 namespace {
 
 constexpr float kInside = -1e-4f;  // a pixel on an edge belongs to both triangles
+constexpr float kTear = 1.8f;      // an edge longer than this many expected ones is torn
 
 struct Corner {
   float x, y;  // in the target
@@ -31,16 +32,16 @@ struct Band {
   MeshAnswer* answer;
 };
 
-bool torn(const Corner& a, const Corner& b, float tear) {
-  const float dx = b.x - a.x, dy = b.y - a.y, longest = tear * 0.5f * (a.size + b.size);
+bool torn(const Corner& a, const Corner& b) {
+  const float dx = b.x - a.x, dy = b.y - a.y, longest = kTear * 0.5f * (a.size + b.size);
   const float du = b.u - a.u, dv = b.v - a.v;  // one, half at the ring, the diagonal of both
   return dx * dx + dy * dy > longest * longest * std::max(0.25f, du * du + dv * dv);
 }
 
-void draw(const Corner& a, const Corner& b, const Corner& c, const MeshOptions& options, const Band& band) {
+void draw(const Corner& a, const Corner& b, const Corner& c, const Band& band) {
   const float area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
   if (!(area > 1e-6f)) return;  // seen from behind: a fold where one surface slides behind another
-  if (torn(a, b, options.tear) || torn(b, c, options.tear) || torn(c, a, options.tear)) return;
+  if (torn(a, b) || torn(b, c) || torn(c, a)) return;
   const MeshAnswer& answer = *band.answer;
   const auto first = [](float at) { return static_cast<int>(std::ceil(at - 0.5f - 1e-3f)); };
   const auto last = [](float at) { return static_cast<int>(std::floor(at - 0.5f + 1e-3f)); };
@@ -66,7 +67,7 @@ void draw(const Corner& a, const Corner& b, const Corner& c, const MeshOptions& 
     }
 }
 
-void draw_band(const MeshVertices& vertices, const MeshOptions& options, const Band& band) {
+void draw_band(const MeshVertices& vertices, const Band& band) {
   const auto above = static_cast<float>(band.y0), below = static_cast<float>(band.y1);
   const int rows = vertices.inverse.rows(), cols = vertices.inverse.cols();
   for (int row = 0; row + 1 < rows; ++row) {
@@ -82,8 +83,8 @@ void draw_band(const MeshVertices& vertices, const MeshOptions& options, const B
         continue;
       const Corner a = corner(vertices, row, col), b = corner(vertices, row, col + 1);
       const Corner c = corner(vertices, row + 1, col), d = corner(vertices, row + 1, col + 1);
-      draw(a, b, c, options, band);
-      draw(b, d, c, options, band);
+      draw(a, b, c, band);
+      draw(b, d, c, band);
     }
   }
 }
@@ -99,15 +100,14 @@ float MeshVertices::source(int vertex, int size) {
   return std::clamp(static_cast<float>(vertex) - 0.5f, 0.f, static_cast<float>(size));
 }
 
-void draw_mesh(const MeshVertices& vertices, const MeshOptions& options, int rows, int cols, WorkerPool& pool,
-               MeshAnswer& answer) {
+void draw_mesh(const MeshVertices& vertices, int rows, int cols, WorkerPool& pool, MeshAnswer& answer) {
   answer.source.reshape(2, rows, cols);
   for (Image<float>* plane : {&answer.inverse, &answer.rank, &answer.size}) plane->reshape(1, rows, cols);
   answer.inverse.fill(0);
   answer.rank.fill(std::numeric_limits<float>::lowest());
   constexpr int kBands = 8;  // of the target: each reads all vertices, so more would read them in vain
   pool.for_each(kBands, [&](int band) {
-    draw_band(vertices, options, {rows * band / kBands, rows * (band + 1) / kBands, &answer});
+    draw_band(vertices, {rows * band / kBands, rows * (band + 1) / kBands, &answer});
   });
 }
 

@@ -32,11 +32,7 @@ struct MeshAnswer {
   Image<float> size;     // [1, rows, cols] of a source pixel, pixels of the target; unset in holes
 };
 
-struct MeshOptions {
-  float tear = 1.8f;  // an edge longer than this many expected ones is torn
-};
-
-void draw_mesh(const MeshVertices& vertices, const MeshOptions& options, int rows, int cols, WorkerPool& pool,
-               MeshAnswer& answer);
+// rows, cols: of the target.
+void draw_mesh(const MeshVertices& vertices, int rows, int cols, WorkerPool& pool, MeshAnswer& answer);
 
 }  // namespace hdrcam

@@ -18,7 +18,7 @@ TEST_CASE("noisy depth becomes smooth on a surface and keeps its step where the 
       inverse.at(0, y, x) = (x < kEdge ? 0.2f : 0.8f) * (1 + noise);
     }
   inverse.at(0, 20, 10) = 5;  // a single error
-  DepthEdges(pool).follow(radiance, 1e-4f, {}, inverse);
+  DepthEdges(pool).follow(radiance, 1e-4f, inverse);
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x)
       CHECK(inverse.at(0, y, x) == Approx(x < kEdge ? 0.2f : 0.8f).epsilon(0.06));

@@ -41,7 +41,7 @@ MeshVertices with_a_near_part(int first, float shift) {
 MeshAnswer drawn(const MeshVertices& vertices, int threads = 1) {
   WorkerPool pool(threads);
   MeshAnswer answer;
-  draw_mesh(vertices, {}, kRows, kCols, pool, answer);
+  draw_mesh(vertices, kRows, kCols, pool, answer);
   return answer;
 }
 
