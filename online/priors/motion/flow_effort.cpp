@@ -7,15 +7,15 @@ namespace hdrcam {
 FlowEffort effort_of(FlowQuality quality) {
   switch (quality) {
     case FlowQuality::Coarse:
-      return {2, 4, 2, 2, 3};
+      return {.finest_scale = 2, .stride = 4, .steps = 2, .rounds = 2, .sweeps = 3};
     case FlowQuality::Fast:
-      return {1, 4, 2, 2, 3};
+      return {.finest_scale = 1, .stride = 4, .steps = 2, .rounds = 2, .sweeps = 3};
     case FlowQuality::Medium:
-      return {0, 4, 3, 2, 3};
+      return {.finest_scale = 0, .stride = 4, .steps = 3, .rounds = 2, .sweeps = 3};
     case FlowQuality::Fine:
       break;
   }
-  return {0, 4, 4, 5, 5};
+  return {.finest_scale = 0, .stride = 4, .steps = 4, .rounds = 5, .sweeps = 5};
 }
 
 FlowScales scales_of(const FlowEffort& effort, int rows, int cols) {

@@ -25,8 +25,10 @@ enum class Blend {
 enum class Branches { Both, Static, Dynamic };
 
 struct FieldShape {
-  HashGridShape static_grid{8, 15, 1, 16, 320, 0.75f, 0.25f};
-  HashGridShape dynamic_grid{4, 13, 8, 16, 160, 0.75f, 0.125f};
+  // A fit sets the dynamic slots by its window, and both v_ratios by the shape of the picture.
+  HashGridShape static_grid;
+  HashGridShape dynamic_grid{
+      .levels = 4, .log2_entries = 13, .slots = 8, .finest_cells = 160, .d_ratio = 0.125f};
   int hidden = 32;  // neurons per hidden layer, a multiple of 4
   Blend blend = Blend::DensitySum;
   Branches branches = Branches::Both;
