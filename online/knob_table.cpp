@@ -5,6 +5,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "online/state/look_ahead.h"
+
 namespace hdrcam {
 namespace {
 
@@ -78,7 +80,7 @@ std::vector<Knob> stream_knobs() {
   using K = Knobs;
   return {
       whole<&K::look_ahead>(
-          "look_ahead", {Knobs::kAsSizeAllows, 2},
+          "look_ahead", {Knobs::kAsSizeAllows, kMaxLookAhead},
           {.unit = "frames; -1: two of pictures of at most 640x480, one of larger ones, for their memory",
            .costs = "latency of as many frames, and one join for each",
            .gives = "clipped and occluded pixels that later frames show"}),
