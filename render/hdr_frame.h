@@ -18,7 +18,7 @@ enum class Provenance : std::uint8_t {
   Own = 0,        // mostly this frame's own sample
   Carried = 1,    // mostly earlier frames, carried along the motion
   LookAhead = 2,  // mostly a later frame
-  Field = 3,      // unseen or badly seen: from the field
+  Field = 3,      // unseen: the field raised its lower bound, or gives all of it
   Bound = 4,      // clipped in all frames: a lower bound
 };
 

@@ -19,7 +19,7 @@ namespace hdrcam {
 struct GridPlace;
 
 struct DepthOptions {
-  int step_px = 2;  // of the grid that is filtered, 1..: 2 is as accurate at a quarter of the cost
+  int step_px = 2;  // of the grid that is filtered, 1..8: 2 is as accurate at a quarter of the cost
   float least_confidence = 0.7f;   // of the flow, 0..1
   float noise_px = 0.2f;           // of one flow vector, standard deviation..
   float noise_growth_px = 0.1f;    // ..and of each further one in the chain

@@ -1,5 +1,5 @@
 // Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
-// The warped picture is linearised once; each round weighs its equations anew and sweeps
+// The warped picture is linearised once; each round weighs its equations anew and sweeps over them.
 #include "online/priors/motion/refinement_kernels.h"
 
 #include "hal/core/picture_lanes.h"

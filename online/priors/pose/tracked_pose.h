@@ -1,7 +1,7 @@
 // The camera's pose from the optical flow alone. Per frame it carries the points of the scene along the flow
 // and fits a rotation about the camera's centre, then a rotation with a translation. It accepts the
 // translation only where it explains clearly more (a static or rotating camera is the normal case, and its
-// position is then kept exactly). The depths learnt from earlier frames fix the scale.
+// position is then kept exactly). The depths learnt from earlier frames fix the scale. Thread-bound.
 #pragma once
 
 #include <optional>

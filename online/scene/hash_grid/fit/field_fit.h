@@ -64,7 +64,7 @@ class FieldFit {
     return {window_, networks_, samples_per_ray_, has_dynamic_};
   }
   Window& window() { return window_; }
-  // Reinitialises the networks, with the same shape.
+  // New networks of the same shape, with the random parameters of this seed; the fitted ones stay.
   FieldNetworks<float> fresh_networks(std::uint64_t seed) const;
   const FitCounts& counts() const { return state_.health.counts(); }
   const LearnedResponse<float>& response() const { return state_.response; }

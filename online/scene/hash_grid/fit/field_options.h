@@ -24,8 +24,8 @@ struct FieldOptions {
   // optimisation
   LossWeights losses = default_loss_weights();
   AdamOptions adam;
-  float table_rate = 1e-2f;     // 1e-4..1e-1
-  float network_rate = 2e-3f;   // 1e-4..1e-2
+  float table_rate = 1e-2f;     // 1e-5..1
+  float network_rate = 2e-3f;   // 1e-5..1
   float response_rate = 3e-4f;  // 0..1e-2: slow, the response estimate is already good
   bool fits_response = false;   // refine the response with the photometric loss; never on linear data
   std::uint64_t seed = 1;
