@@ -76,6 +76,11 @@ struct FieldNetworks {
   static constexpr float kNowhere = -60;  // log density, far below its bound: neither seen nor fitted
 };
 
+// The least multiple of kSampleMultiple that holds so many samples.
+constexpr int whole_runs(int samples) {
+  return (samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+}
+
 // One evaluation of a branch on up to ld samples, with the activations that backward needs. All images are
 // [width, 1, ld].
 template <class T>

@@ -41,9 +41,14 @@ class FieldProbe {
             std::span<ProbeAnswer> answers);
 
  private:
+  struct Cameras;
+  struct StateShares;
+
   void place(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays);
-  void move_to_frame(const RadianceField& field, const ProbeView& view, int rays);
-  ProbeAnswer answer(const RadianceField& field, const ProbeView& view, const ProbeRay& ray, int r);
+  void move_to_frame(const Cameras& cameras, const ProbeView& view, int rays);
+  void decode(const Cameras& cameras, const ProbeView& view, int r, StateShares& known);
+  ProbeAnswer answer(const Cameras& cameras, Blend blend, const ProbeRay& probe, int r,
+                     const StateShares& known) const;
 
   BranchPass<float> static_, dynamic_;
   std::vector<RaySamples<float>> ray_;

@@ -22,9 +22,8 @@ void PixelPicker::look_at(const WindowFrame& frame) {
   for (int y = 0; y < rows_; ++y)
     for (int x = 0; x < cols_; ++x) {
       const BasePixel& base = frame.base.at(0, y, x);
-      const float gate = (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
       const float lost = knows_flow ? 1 - base[kBackward] : 0;
-      interest_[tile_of(x, y)] += (gate + 0.5f * lost) / (kTile * kTile);
+      interest_[tile_of(x, y)] += (mean_gate(base.data()) + 0.5f * lost) / (kTile * kTile);
     }
 }
 

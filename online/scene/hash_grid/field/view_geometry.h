@@ -25,6 +25,13 @@ struct WindowFrustum {
   static constexpr double kDepthUnit = 0.01;
 };
 
+// Window units per unit of flow, along u, v, d.
+template <class T>
+void flow_units(const WindowFrustum& frustum, T* unit) {
+  unit[0] = T(frustum.u_per_px()), unit[1] = T(frustum.v_per_px());
+  unit[2] = T(WindowFrustum::kDepthUnit);
+}
+
 template <class T>
 class ViewGeometry {
  public:

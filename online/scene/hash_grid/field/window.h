@@ -51,6 +51,11 @@ enum BaseChannel : int {
   kBaseSurface = 12,     // inverse depth of the pixel's surface, as far as it is known
 };
 
+// Of the three channels.
+inline float mean_gate(const float* base) {
+  return (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
+}
+
 struct WindowFrame {
   int index = -1;
   int slot = 0;  // of the dynamic hash grid
@@ -149,7 +154,7 @@ class Window : public WindowFrames {
 };
 
 // The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes
-// along x and y if requested. Pixel centres at +0.5.
+// along x and y unless they are null. Pixel centres at +0.5.
 template <class T>
 void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
@@ -170,6 +175,10 @@ void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x
     d_x[k] = inside_x ? (1 - fy) * (T(b[k]) - T(a[k])) + fy * (T(d[k]) - T(c[k])) : T(0);
     d_y[k] = inside_y ? (1 - fx) * (T(c[k]) - T(a[k])) + fx * (T(d[k]) - T(b[k])) : T(0);
   }
+}
+template <class T>
+void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value) {
+  fetch_base<T>(base, pixel, value, nullptr, nullptr);
 }
 
 }  // namespace hdrcam

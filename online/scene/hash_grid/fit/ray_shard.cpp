@@ -5,7 +5,7 @@ namespace hdrcam {
 template <class T>
 RayShard<T>::RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples) {
   HDRCAM_CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
-  const int ld = (most_rays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+  const int ld = whole_runs(most_rays * most_samples);
   for (auto [pass, branch] : {std::pair(&static_, &networks.static_),
                               {&dynamic_, &networks.dynamic},
                               {&warped_, &networks.dynamic}})
@@ -50,8 +50,7 @@ void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> r
 
 template <class T>
 void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random) {
-  const int count = step.samples_per_ray, used = static_cast<int>(rays.size()) * count;
-  const int n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+  const int count = step.samples_per_ray, n = whole_runs(static_cast<int>(rays.size()) * count);
   static_.n = n;
   dynamic_.n = warped_.n = step.has_dynamic ? n : 0;
   for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -103,12 +102,10 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
       view.project(ray.position[k], ray.landing_static[k], nullptr);
       view.project(point, ray.landing_dynamic[k], ray.landing_jacobian[k]);
       T base_there[kBaseChannels];
-      fetch_base(there.base, ray.landing_dynamic[k], base_there, static_cast<T*>(nullptr),
-                 static_cast<T*>(nullptr));
+      fetch_base(there.base, ray.landing_dynamic[k], base_there);
       const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
       ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
-      fetch_base(there.base, ray.landing_static[k], base_there, static_cast<T*>(nullptr),
-                 static_cast<T*>(nullptr));
+      fetch_base(there.base, ray.landing_static[k], base_there);
       decode_radiance(static_.raw, s, base_there, ray.static_there[k]);
     }
   }
@@ -138,7 +135,7 @@ void RayShard<T>::samples_backward(const StepSetting<T>& step, const TrainingRay
     if (!ray.warps) continue;
     const Image<BasePixel>& there = neighbour(step.window, target).base;
     T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
-    fetch_base(there, ray.landing_static[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+    fetch_base(there, ray.landing_static[k], base_there);
     decode_radiance_backward(static_.raw, s, base_there, ray.static_there[k], d.static_there[k],
                              static_.d_raw, static_cast<T*>(nullptr));
     fetch_base(there, ray.landing_dynamic[k], base_there, d_x, d_y);

@@ -41,20 +41,13 @@ void place_ray(const StepSetting<T>& step, const TrainingRay& target, Pcg32& ran
   place_samples(
       T(target.guide), ray.count, [&] { return random.uniform(); }, ray.inverse_depth, ray.spacing);
   const T pixel[2] = {T(target.pixel[0]), T(target.pixel[1])};
-  fetch_base(frame.base, pixel, base, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+  fetch_base(frame.base, pixel, base);
   for (int k = 0; k < ray.count; ++k) view.place(pixel, ray.inverse_depth[k], ray.position[k]);
 }
 
 // The frame that a warping ray looks for its content in: its place in the window.
 inline int neighbour_of(const TrainingRay& ray) {
   return ray.frame + (ray.toward == Neighbour::Next ? 1 : -1);
-}
-
-// Window units per unit of flow, along u, v, d.
-template <class T>
-void flow_units(const WindowFrustum& frustum, T* unit) {
-  unit[0] = T(frustum.u_per_px()), unit[1] = T(frustum.v_per_px());
-  unit[2] = T(WindowFrustum::kDepthUnit);
 }
 
 }  // namespace hdrcam

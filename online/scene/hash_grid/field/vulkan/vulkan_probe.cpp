@@ -138,18 +138,18 @@ Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeV
   const auto count = static_cast<int>(rays.size());
   const int samples = count * field.samples_per_ray, slot = field.window.frame(view.frame).slot;
   const auto real = [](double v) { return static_cast<float>(v); };
-  const Constants constants{
-      {real(frustum.camera.fx_px), real(frustum.camera.fy_px)},
-      {real(frustum.camera.cx_px), real(frustum.camera.cy_px)},
-      {static_cast<float>(frustum.cols), static_cast<float>(frustum.rows)},
-      frustum.margin,
-      view.offset,
-      {real(frustum.u_per_px()), real(frustum.v_per_px()), real(WindowFrustum::kDepthUnit)},
-      count,
-      field.samples_per_ray,
-      samples,
-      field.has_dynamic ? 1 : 0,
-      field.networks.blend == Blend::Weight ? 1 : 0};
+  Constants constants{{real(frustum.camera.fx_px), real(frustum.camera.fy_px)},
+                      {real(frustum.camera.cx_px), real(frustum.camera.cy_px)},
+                      {static_cast<float>(frustum.cols), static_cast<float>(frustum.rows)},
+                      frustum.margin,
+                      view.offset,
+                      {},
+                      count,
+                      field.samples_per_ray,
+                      samples,
+                      field.has_dynamic ? 1 : 0,
+                      field.networks.blend == Blend::Weight ? 1 : 0};
+  flow_units(frustum, constants.unit);
   static_assert(sizeof(ProbeRay) == 3 * sizeof(float));
   work.upload(bytes_of(rays), *rays_.buffer);
   work.run(*kernels_[kPlace], {*rays_, *views_, *base_, *placed_}, constants, {count, 1, 1});
