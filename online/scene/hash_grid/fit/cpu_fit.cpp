@@ -20,25 +20,17 @@ void CpuFit::gradients(const StepSetting<float>& step, std::span<const TrainingR
   });
 
   // in the order of the shards
-  sums.losses.fill(0);
-  for (auto& channel : sums.d_response) channel.fill(0);
-  sums.feature_energy = 0;
-  sums.misfits.resize(rays.size());
+  sums.begin(rays.size());
   for (OptimisedBranch* part : branches.both())
     std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
   std::vector<float>&d_static = branches.static_.d_network, &d_dynamic = branches.dynamic.d_network;
   auto misfit = sums.misfits.begin();
   for (RayShard<float>& shard : used()) {
-    for (std::size_t i = 0; i < sums.losses.size(); ++i)
-      sums.losses[i] += static_cast<double>(shard.losses()[i]);
+    sums.add(shard.losses(), step.fits_response ? &shard.d_response() : nullptr);
     for (std::size_t i = 0; i < d_static.size(); ++i) d_static[i] += shard.d_static()[i];
     for (std::size_t i = 0; i < d_dynamic.size(); ++i) d_dynamic[i] += shard.d_dynamic()[i];
     sums.feature_energy += shard.feature_energy();
     misfit = std::copy_n(shard.misfits().begin(), kRaysPerShard, misfit);
-    if (!step.fits_response) continue;
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t j = 0; j < sums.d_response[c].size(); ++j)
-        sums.d_response[c][j] += shard.d_response()[c][j];
   }
 }
 

@@ -86,29 +86,35 @@ void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const Traini
   }
 }
 
+// Where the samples of a ray land in the neighbour's picture, and what is there, with its base.
+template <class T>
+void RayShard<T>::land(const StepSetting<T>& step, const TrainingRay& target, int r) {
+  RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
+  const WindowFrame& there = neighbour(step.window, target);
+  const ViewGeometry<T> view(step.window.frustum(), there.T_anchor_camera);
+  for (int k = 0; k < ray.count; ++k) {
+    const int s = r * ray.count + k;
+    const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s],
+                        warped_.position.plane(2)[s]};
+    view.project(ray.position[k], ray.landing_static[k], nullptr);
+    view.project(point, ray.landing_dynamic[k], ray.landing_jacobian[k]);
+    T base_there[kBaseChannels];
+    fetch_base(there.base, ray.landing_dynamic[k], base_there);
+    const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
+    ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
+    fetch_base(there.base, ray.landing_static[k], base_there);
+    decode_radiance(static_.raw, s, base_there, ray.static_there[k]);
+  }
+}
+
+// The losses of a ray, and their gradient back to the raw outputs.
 template <class T>
 void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r) {
   RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count; ++k)
     ray.static_[k] = decode_static(static_.raw, r * ray.count + k, base, own_prior(r, k));
-  if (ray.warps) {
-    const WindowFrame& there = neighbour(step.window, target);
-    const ViewGeometry<T> view(step.window.frustum(), there.T_anchor_camera);
-    for (int k = 0; k < ray.count; ++k) {
-      const int s = r * ray.count + k;
-      const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s],
-                          warped_.position.plane(2)[s]};
-      view.project(ray.position[k], ray.landing_static[k], nullptr);
-      view.project(point, ray.landing_dynamic[k], ray.landing_jacobian[k]);
-      T base_there[kBaseChannels];
-      fetch_base(there.base, ray.landing_dynamic[k], base_there);
-      const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
-      ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
-      fetch_base(there.base, ray.landing_static[k], base_there);
-      decode_radiance(static_.raw, s, base_there, ray.static_there[k]);
-    }
-  }
+  if (ray.warps) land(step, target, r);
   RayTrace<T> trace;
   const RayPicture<T> picture = render_ray(ray, step.networks.blend, trace);
   misfit_[static_cast<std::size_t>(r)] = sums_.add(step, target, {ray, trace, picture}, gradient_);

@@ -37,15 +37,16 @@ class RayShard {
  private:
   void place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random);
   void follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays);
+  void land(const StepSetting<T>& step, const TrainingRay& target, int r);
   void ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r);
   void samples_backward(const StepSetting<T>& step, const TrainingRay& target, int r, const RaySamples<T>& d);
   void warp_backward(const StepSetting<T>& step, std::span<const TrainingRay> rays);
-  void zero(BranchPass<T>& pass);
+  static void zero(BranchPass<T>& pass);
   T own_prior(int r, int k) const {
     const auto at = static_cast<std::size_t>(r);
     return surface_prior(ray_[at].inverse_depth[k], base_[at][kBaseSurface]).log_density;
   }
-  const WindowFrame& neighbour(const Window& window, const TrainingRay& ray) const {
+  static const WindowFrame& neighbour(const Window& window, const TrainingRay& ray) {
     return window.frame(neighbour_of(ray));
   }
 

@@ -80,23 +80,15 @@ void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingR
                        StepSums& sums) {
   const std::size_t shards = rays.size() / kRaysPerShard;
   shard_losses_.resize(shards);
-  sums.misfits.resize(rays.size());
+  sums.begin(rays.size());
   pool.for_each(static_cast<int>(shards), [&](int i) {
     const auto shard = static_cast<std::size_t>(i), first = shard * kRaysPerShard;
     shard_losses_[shard] = {};
     rays_.losses(step, rays.subspan(first, kRaysPerShard), first, shard_losses_[shard],
                  std::span(sums.misfits).subspan(first, kRaysPerShard));
   });
-  sums.losses.fill(0);
-  for (auto& channel : sums.d_response) channel.fill(0);
-  for (const ShardLosses<float>& shard : shard_losses_) {
-    for (std::size_t i = 0; i < sums.losses.size(); ++i)
-      sums.losses[i] += static_cast<double>(shard.losses[i]);
-    if (!step.fits_response) continue;
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t j = 0; j < sums.d_response[c].size(); ++j)
-        sums.d_response[c][j] += shard.d_response[c][j];
-  }
+  for (const ShardLosses<float>& shard : shard_losses_)
+    sums.add(shard.losses, step.fits_response ? &shard.d_response : nullptr);
 }
 
 // From the losses' gradient to that of the parameters. The displaced samples come first: what they say of
@@ -119,7 +111,7 @@ Result<void> VulkanFit::backward(OptimisedBranches& branches, StepSums& sums) {
   fetch(static_, n, fetched_static_);
   TRY(work.finish());
   untile(branches.static_.branch.mlp, fetched_static_.d_network, branches.static_.d_network);
-  sums.feature_energy = sum_of(fetched_static_.energy);
+  sums.feature_energy += sum_of(fetched_static_.energy);
   OptimisedBranch& dynamic = branches.dynamic;
   if (rays_.has_dynamic()) {
     untile(dynamic.branch.mlp, fetched_dynamic_.d_network, dynamic.d_network);
