@@ -90,6 +90,46 @@ Prior prior_around(const NoiseModel& seen) {
   return prior;
 }
 
+// A step of Gauss-Newton on ln variance, robust against single bins; the prior determines every direction.
+// equations: NoiseEstimator::Equation; quantisation: variance in codes^2.
+template <class Equations>
+Parameters step_from(const Parameters& p, const Prior& prior, const Equations& equations,
+                     double quantisation) {
+  constexpr double kRobust2 = 4;  // squared scale of the weights, in sigmas
+  Eigen::Matrix<double, kParameters, kParameters> A =
+      prior.sigma.array().square().inverse().matrix().asDiagonal();
+  Parameters b = -((p - prior.mean).array() / prior.sigma.array().square()).matrix();
+  const double shot = std::exp(-p[kFullWell]), read = std::exp(2 * (p[kReadNoise] - p[kFullWell]));
+  const double code = std::exp(2 * p[kCodeNoise]), relative = std::exp(2 * p[kRelativeNoise]);
+  for (const auto& e : equations) {
+    const double of_shot = shot * e.factors.shot, of_read = read * e.factors.read;
+    const double of_code = code * e.factors.code, of_match = relative * e.factors.relative;
+    const double model = of_shot + of_read + of_code + of_match + quantisation * e.factors.code;
+    Parameters gradient;  // of ln model
+    gradient << -of_shot - 2 * of_read, 2 * of_read, 2 * of_code, 2 * of_match;
+    gradient /= model;
+    const double residual = std::log(e.variance / model) / e.sigma;
+    const double weight = 1 / (e.sigma * e.sigma) / (1 + residual * residual / kRobust2);
+    A.noalias() += weight * gradient * gradient.transpose();
+    b.noalias() += weight * residual * e.sigma * gradient;
+  }
+  return A.ldlt().solve(b);
+}
+
+template <class Equations>
+Parameters most_probable(const Prior& prior, const Equations& equations, double quantisation) {
+  constexpr int kIterations = 20;
+  constexpr double kMaxStep = 0.7, kConverged = 1e-4;  // in ln
+  constexpr double kTiny = 1e-12;                      // keeps the quotient finite
+  Parameters p = prior.mean;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Parameters change = step_from(p, prior, equations, quantisation);
+    p += change * std::min(1.0, kMaxStep / std::max(kTiny, change.cwiseAbs().maxCoeff()));
+    if (change.cwiseAbs().maxCoeff() < kConverged) break;
+  }
+  return p;
+}
+
 }  // namespace
 
 // What is kept of a pixel and channel while its row is compared; planes of one picture.
@@ -174,6 +214,8 @@ int NoiseEstimator::compare_row(const ExposedFrame& a, const FlowField& a_to_b, 
 NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector<float>& sorted) {
   constexpr double kModelError = 0.6;  // in ln: bins deviate from the model and are not independent
   constexpr double kNeighbours = 4;    // differences per independent one
+  constexpr double kOfSpread = 3;      // variance of ln of a robust_spread() of n normal samples, times n
+  constexpr double kLeastVariance = 1e-14;  // of relative exposure: its logarithm stays finite
   sorted.assign(bin.differences.begin(), bin.differences.end());
   const auto n = static_cast<double>(sorted.size());
   Factors<double> sum{};
@@ -182,11 +224,11 @@ NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector
     sum.code += static_cast<double>(its.code), sum.relative += static_cast<double>(its.relative);
   }
   return {{sum.shot / n, sum.read / n, sum.code / n, sum.relative / n},
-          std::max(1e-14, robust_spread(sorted).variance),
-          std::sqrt(kModelError * kModelError + 3 * kNeighbours / n)};
+          std::max(kLeastVariance, robust_spread(sorted).variance),
+          std::sqrt(kModelError * kModelError + kOfSpread * kNeighbours / n)};
 }
 
-NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
+void NoiseEstimator::collect_equations() {
   constexpr std::size_t kMinSamples = 60;
   telling_.clear();
   for (const auto& [ratio, bins] : bins_)
@@ -198,37 +240,15 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
     for (std::size_t i = first; i < telling_.size(); i += kShares)
       equations_[i] = equation_of(*telling_[i], sorted_[first]);
   });
-  if (equations_.size() < 4) return seen_.value_or(otherwise);
+}
 
-  // Gauss-Newton on ln variance, robust against single bins; the prior determines every direction.
-  constexpr int kIterations = 20;
-  constexpr double kMaxStep = 0.7;  // in ln
-  constexpr double kRobust2 = 4;    // squared scale of the weights, in sigmas
+NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
+  constexpr std::size_t kFewestEquations = kParameters;
+  collect_equations();
+  if (equations_.size() < kFewestEquations) return seen_.value_or(otherwise);
   const double step = static_cast<double>(otherwise.code_step), quantisation = step * step / 12;
   const Prior prior = seen_ ? prior_around(*seen_) : usual_prior(static_cast<double>(otherwise.code_noise));
-  Parameters p = prior.mean;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Eigen::Matrix<double, kParameters, kParameters> A =
-        prior.sigma.array().square().inverse().matrix().asDiagonal();
-    Parameters b = -((p - prior.mean).array() / prior.sigma.array().square()).matrix();
-    const double shot = std::exp(-p[kFullWell]), read = std::exp(2 * (p[kReadNoise] - p[kFullWell]));
-    const double code = std::exp(2 * p[kCodeNoise]), relative = std::exp(2 * p[kRelativeNoise]);
-    for (const Equation& e : equations_) {
-      const double of_shot = shot * e.factors.shot, of_read = read * e.factors.read;
-      const double of_code = code * e.factors.code, of_match = relative * e.factors.relative;
-      const double model = of_shot + of_read + of_code + of_match + quantisation * e.factors.code;
-      Parameters gradient;  // of ln model
-      gradient << -of_shot - 2 * of_read, 2 * of_read, 2 * of_code, 2 * of_match;
-      gradient /= model;
-      const double residual = std::log(e.variance / model) / e.sigma;
-      const double weight = 1 / (e.sigma * e.sigma) / (1 + residual * residual / kRobust2);
-      A.noalias() += weight * gradient * gradient.transpose();
-      b.noalias() += weight * residual * e.sigma * gradient;
-    }
-    const Parameters change = A.ldlt().solve(b);
-    p += change * std::min(1.0, kMaxStep / std::max(1e-12, change.cwiseAbs().maxCoeff()));
-    if (change.cwiseAbs().maxCoeff() < 1e-4) break;
-  }
+  const Parameters p = most_probable(prior, equations_, quantisation);
   NoiseModel best = otherwise;
   best.full_well = static_cast<float>(std::exp(p[kFullWell]));
   best.read_noise = static_cast<float>(std::exp(p[kReadNoise]));

@@ -78,6 +78,7 @@ class NoiseEstimator {
   int compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response, float ratio,
                   int row);
   static Equation equation_of(const Bin& bin, std::vector<float>& sorted);
+  void collect_equations();
 
   static constexpr int kBrightnesses = 28;  // half stops below full exposure
 
