@@ -15,6 +15,8 @@ namespace hdrcam {
 // cols] 1 / camera z, in 1 / unit of length of the poses, >= 0, finite. weight: [1, rows, cols] 0..1: d^2 /
 // (d^2 + sigma_d^2); 0 unknown or dynamic, 0.5 where sigma_d equals d.
 struct DepthMap {
+  static constexpr float kBelieved = 0.5f;  // weight from which on a depth counts
+
   Image<float> inverse_depth;
   Image<float> weight;
   int step_px = 1;

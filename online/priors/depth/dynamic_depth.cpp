@@ -8,7 +8,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kBelieved = 0.5f;          // weight of a measured depth that counts
 constexpr int kRadius = 2;                 // of the vote on whether a point moves
 constexpr int kNear = 3, kFar = 8;         // from a region: what is around it, past the edge that flow smears
 constexpr std::size_t kFewestAround = 10;  // points
@@ -67,7 +66,9 @@ void DynamicDepth::find_regions(const DepthMap& measured, const Image<float>& dy
   label_.reshape(1, rows, cols);
   for (int y = 0; y < rows; ++y) {  // sums along rows
     const auto vote = [&](int x) {
-      return x < 0 || x >= cols ? 0 : (dynamic.at(0, y, x) > 0) - (measured.weight.at(0, y, x) >= kBelieved);
+      return x < 0 || x >= cols
+                 ? 0
+                 : (dynamic.at(0, y, x) > 0) - (measured.weight.at(0, y, x) >= DepthMap::kBelieved);
     };
     int sum = 0;
     for (int x = 0; x < kRadius; ++x) sum += vote(x);
@@ -139,7 +140,7 @@ float DynamicDepth::around(int label, const DepthMap& measured) {
   for (int y = std::max(0, region.top - kFar); y <= std::min(label_.rows() - 1, region.bottom + kFar); ++y)
     for (int x = 0; x < label_.cols(); ++x)
       if (nearest_.at(0, y, x) == label && reach_.at(0, y, x) >= kNear && reach_.at(0, y, x) <= kFar &&
-          measured.weight.at(0, y, x) >= kBelieved)
+          measured.weight.at(0, y, x) >= DepthMap::kBelieved)
         values_.push_back(measured.inverse_depth.at(0, y, x));
   return values_.size() < kFewestAround ? 0 : median(values_);
 }
@@ -151,7 +152,7 @@ float DynamicDepth::below(int label, const DepthMap& measured) {
   for (int y = first; y < std::min(first + kBelow, label_.rows()); ++y)
     for (int x = 0; x < label_.cols(); ++x)
       if (nearest_.at(0, y, x) == label && reach_.at(0, y, x) <= kFar &&
-          measured.weight.at(0, y, x) >= kBelieved)
+          measured.weight.at(0, y, x) >= DepthMap::kBelieved)
         values_.push_back(measured.inverse_depth.at(0, y, x));
   return values_.size() < kFewestAround ? 0 : median(values_);
 }

@@ -15,6 +15,11 @@ constexpr float kContinuousDepth = 0.15f;  // the same for inverse depths, relat
 constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: nearer points are not visible
 constexpr float kDisagreement = 9;         // squared sigmas between the learnt and the measured depth
 
+// How many times less two estimates that differ so much count, by their information: Cauchy's weight.
+float doubt_of(float difference, float measured, float learnt) {
+  return 1 + difference * difference / (kDisagreement * (1 / measured + 1 / learnt));
+}
+
 }  // namespace
 
 // Y = R ray + d t: a pixel of this view with inverse depth d, in the other view.
@@ -156,6 +161,12 @@ void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from
   carried_learnt_.at(1, y, x) = known * per_depth * per_depth * keep;
 }
 
+// Of a displacement to a keyframe: the noise of its first flow, and of each further one in the chain.
+float MultiViewDepth::sigma_px(const Keyframe& keyframe) const {
+  const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
+  return std::sqrt(options_.noise_px * options_.noise_px + grown);
+}
+
 // The inverse depth of a static point from the displacement to a keyframe.
 MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
                                              Estimate& estimate) const {
@@ -169,9 +180,7 @@ MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Rel
   const float ax = a[0] - u * a[2], ay = a[1] - v * a[2];
   const float bx = relative.t[0] - u * relative.t[2], by = relative.t[1] - v * relative.t[2];
   const float bb = bx * bx + by * by;
-  const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
-  const float sigma =
-      std::sqrt(options_.noise_px * options_.noise_px + grown) / (fx * static_cast<float>(options_.step_px));
+  const float sigma = sigma_px(keyframe) / (fx * static_cast<float>(options_.step_px));
   if (!(bb > 1e-12f)) return Seen::Nothing;
   const float d = -(ax * bx + ay * by) / bb;
   const float z = a[2] + std::max(d, 0.f) * relative.t[2];
@@ -205,7 +214,7 @@ void MultiViewDepth::fuse() {
           float trust = 1;
           if (information > 0) {
             const float difference = sum / information - learnt;
-            trust = 1 / (1 + difference * difference / (kDisagreement * (1 / information + 1 / known)));
+            trust = 1 / doubt_of(difference, information, known);
           }
           sum += learnt * known * trust, information += known * trust;
         }
@@ -229,10 +238,7 @@ void MultiViewDepth::retire(const Keyframe& keyframe) {
         Estimate seen;
         if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
         float &learnt = learnt_.at(0, y, x), &known = learnt_.at(1, y, x);
-        if (known > 0) {
-          const float difference = seen.inverse_depth - learnt;
-          known /= 1 + difference * difference / (kDisagreement * (1 / seen.information + 1 / known));
-        }
+        if (known > 0) known /= doubt_of(seen.inverse_depth - learnt, seen.information, known);
         learnt = (learnt * known + seen.inverse_depth * seen.information) / (known + seen.information);
         const float best = options_.best_relative * std::max(learnt, 1e-6f);
         known = std::min(known + seen.information, 1 / (best * best));
@@ -249,10 +255,7 @@ float MultiViewDepth::median_parallax(const Keyframe& keyframe) {
     for (int x = kEvery / 2; x < cols_; x += kEvery) {
       Estimate seen;
       if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
-      const float grown =
-          static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
-      const float sigma_px = std::sqrt(options_.noise_px * options_.noise_px + grown);
-      parallaxes_.push_back(seen.inverse_depth * std::sqrt(seen.information) * sigma_px);
+      parallaxes_.push_back(seen.inverse_depth * std::sqrt(seen.information) * sigma_px(keyframe));
     }
   return median(parallaxes_);
 }

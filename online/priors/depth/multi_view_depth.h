@@ -65,6 +65,7 @@ class MultiViewDepth final : public DepthPrior {
   void carry(const FlowField& to_previous, const Relative& previous);
   void carry_position(Keyframe& keyframe, const GridPlace& from, int y, int x);
   void carry_depth(const Relative& previous, const GridPlace& from, int y, int x);
+  float sigma_px(const Keyframe& keyframe) const;
   Seen measure(const Keyframe& keyframe, const Relative& relative, int y, int x, Estimate& estimate) const;
   void fuse();
   void retire(const Keyframe& keyframe);

@@ -105,7 +105,6 @@ SnapshotHold HashGridField::snapshot() {
 // The prior on the window's pixels and in its units: the mean of what is believed of it there, NaN where
 // nothing is.
 void HashGridField::spread(const DepthMap& depth) {
-  constexpr float kBelieved = 0.5f;  // weight of a prior with a sigma of 100 percent
   const WindowFrustum& frustum = fit_.window().frustum();
   const int rows = frustum.rows, cols = frustum.cols;
   const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
@@ -125,7 +124,7 @@ void HashGridField::spread(const DepthMap& depth) {
         int believed = 0;
         for (int v = v0; v < v1; ++v)
           for (int u = u0; u < u1; ++u)
-            if (depth.weight.at(0, v, u) >= kBelieved)
+            if (depth.weight.at(0, v, u) >= DepthMap::kBelieved)
               sum += std::min(1.f, depth.inverse_depth.at(0, v, u) * near_), ++believed;
         inverse_depth_.at(0, y, x) =
             believed > 0 ? sum / static_cast<float>(believed) : std::numeric_limits<float>::quiet_NaN();
