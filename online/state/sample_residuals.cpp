@@ -26,7 +26,8 @@ void SampleResiduals::Bin::add(float residual, float variance) {
     residuals.push_back(residual), predicted.push_back(variance);
     return;
   }
-  place = place * 2654435761u % seen;  // takes the place of an earlier one, or is left out
+  constexpr std::size_t kSpread = 2654435761u;  // Knuth's multiplicative hash: 2^32 over the golden ratio
+  place = place * kSpread % seen;               // takes the place of an earlier one, or is left out
   if (place < kCapacity) residuals[place] = residual, predicted[place] = variance;
 }
 

@@ -86,8 +86,7 @@ inline Vectors either(Whole which, Vectors a, Vectors b) { return {which ? a.x :
 
 // Whether motions there and back, read where the former leads, do not come home.
 inline Whole lost(Vectors there, Vectors back) {
-  constexpr float kApart2 = 4;  // pixels^2
-  return squared({there.x + back.x, there.y + back.y}) > kApart2;
+  return squared({there.x + back.x, there.y + back.y}) > kHome2;
 }
 
 // A pixel of the clipped frame: its motion to the state, D, and both flows where these lead.

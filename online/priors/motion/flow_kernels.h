@@ -14,6 +14,7 @@ using flow_constants::kNowhere;
 using flow_constants::kPatchSize;
 constexpr int kFlowBorder = flow_constants::kOutside + kPatchSize;  // pixels around each plane
 constexpr int kLandingCell = 8;  // pixels, both ways, of a cell of landing.h
+constexpr float kHome2 = 4;      // pixels^2: what ends farther off did not come home, there and back
 
 // One scale of a pyramid. The pointers stand at pixel (0, 0); a row is `pitch` floats long.
 struct FlowPicture {

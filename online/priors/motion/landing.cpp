@@ -23,16 +23,15 @@ void fill_from_neighbours(const Image<float>& landed, int row, int col, Image<fl
   put(landed, from_row, from_col, cells, row, col);
 }
 
-// Whether a motion leads to a pixel whose motion leads back, to two pixels.
+// Whether a motion leads to a pixel whose motion leads back.
 bool comes_home(float x, float y, float u, float v, const Image<float>& back) {
-  constexpr float kApart2 = 4;                           // pixels^2
   const float to_x = x + u + 0.5f, to_y = y + v + 0.5f;  // cut to whole numbers: the nearest pixel
   if (!(to_x >= 0 && to_y >= 0 && to_x < static_cast<float>(back.cols()) &&
         to_y < static_cast<float>(back.rows())))
     return false;
   const int row = static_cast<int>(to_y), col = static_cast<int>(to_x);
   const float du = u + back.at(0, row, col), dv = v + back.at(1, row, col);
-  return du * du + dv * dv <= kApart2;
+  return du * du + dv * dv <= kHome2;
 }
 
 // The motion of a pixel at this place goes to the cell there, if it is faster than what came before.

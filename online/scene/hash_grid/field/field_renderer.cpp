@@ -10,6 +10,7 @@ namespace hdrcam {
 namespace {
 
 constexpr int kStripes = 8;  // units of work, each with a probe; enough for the usual numbers of threads
+constexpr float kFarthest = 0.02f;  // inverse depth of what a whole row does not show
 
 // The nearest frame and the distance to it in frame intervals.
 ProbeView probe_view(const WindowFrames& window, const RigidTransform& T_world_camera, double time_s) {
@@ -40,7 +41,11 @@ struct PixelMap {
   }
 };
 
-float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(radiance, 0.f, 1e9f) : 0.f; }
+// What a picture may hold, whatever the fit has done: finite, not negative.
+float presentable(float value) {
+  constexpr float kMost = 1e9f;
+  return std::isfinite(value) ? std::clamp(value, 0.f, kMost) : 0.f;
+}
 
 void reshape(FieldPicture& picture, int rows, int cols) {
   picture.radiance.reshape(3, rows, cols);
@@ -58,8 +63,9 @@ void clear(FieldPicture& picture) {
 // flow_scale: pixels of the window's camera in one of the picture, by axis.
 void store(const ProbeAnswer& answer, const float* flow_scale, int y, int x, FieldPicture& picture) {
   for (int c = 0; c < 3; ++c) picture.radiance.at(c, y, x) = presentable(answer.radiance[c]);
+  constexpr float kNear = 1, kFar = 1e-4f;  // inverse depths, of the near plane and of what is no farther
   picture.depth.at(0, y, x) =
-      1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
+      1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : kNear, kFar, kNear);
   picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
   picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
   for (std::size_t n = 0; n < 2; ++n)
@@ -102,7 +108,6 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
       if (tx < 0 || ty < 0 || tx >= cols || ty >= rows) continue;
       guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
     }
-  const float farthest = 0.02f;
   for (int y = 0; y < rows; ++y) {
     float* row = guide_.row(0, y);
     for (int x = 0; x < cols; ++x) {
@@ -110,7 +115,7 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
       int end = x;
       while (end < cols && row[end] <= 0) ++end;
       const float left = x > 0 ? row[x - 1] : 1, right = end < cols ? row[end] : 1;
-      const float fill = x == 0 && end == cols ? farthest : std::min(left, right);
+      const float fill = x == 0 && end == cols ? kFarthest : std::min(left, right);
       std::fill(row + x, row + end, fill);
       x = end;
     }

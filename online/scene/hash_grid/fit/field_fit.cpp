@@ -196,7 +196,8 @@ double FieldFit::total_up(StepReport& report) {
 }
 
 void FieldFit::apply(float gradient_scale) {
-  const float warm = std::min(1.f, static_cast<float>(state_.taken) / 20);
+  constexpr float kWarmUp = 20;  // steps over which the rates rise: Adam's moments say little before
+  const float warm = std::min(1.f, static_cast<float>(state_.taken) / kWarmUp);
   const AdamStep table_step =
       adam_step(options_.adam, options_.table_rate * warm, gradient_scale, state_.taken);
   const AdamStep network_step =
