@@ -17,6 +17,8 @@ constexpr int kRounds = 4;                  // of reweighting
 constexpr double kKernel_medians = 4;       // width of the robust kernel
 constexpr double kLeastError = 1e-4;        // focal lengths: below it all headings fit perfectly
 constexpr double kShortestEpipolar = 0.03;  // closer to the epipole the direction is undefined
+constexpr double kNearestZ = 0.1;           // of a ray in the turned camera: beside it there is no flow
+constexpr double kLeastParallax = 1e-6;     // keeps the unit of length finite
 
 // A point's flow once the rotation is taken out, in focal lengths.
 struct Parallax {
@@ -33,7 +35,7 @@ std::vector<Parallax> parallaxes(std::span<const ScenePoint> points, const Intri
   all.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d a = turned.R * points[i].direction_world;
-    if (!points[i].seen || a.z() < 0.1) continue;
+    if (!points[i].seen || a.z() < kNearestZ) continue;
     Parallax p{.index = i, .x = a.x() / a.z(), .y = a.y() / a.z(), .flow = {}, .per_turn = {}, .sigma = 0};
     p.flow = {(points[i].seen_px.x() - lens.cx_px) / lens.fx_px - p.x,
               (points[i].seen_px.y() - lens.cy_px) / lens.fy_px - p.y};
@@ -68,10 +70,11 @@ struct Candidate {
 // are in front.
 Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction,
                   std::vector<double>& errors) {
+  constexpr double kRegular = 1e-9;  // of the normal equations: they can be solved without a point, too
   Candidate found{.direction = direction, .turn = Eigen::Vector3d::Zero()};
   double width = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix3d H = 1e-9 * Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d H = kRegular * Eigen::Matrix3d::Identity();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     found.forward = 0;
     errors.clear();
@@ -124,14 +127,15 @@ std::optional<Candidate> mirrored(const std::vector<Parallax>& points, const Can
 
 Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, std::size_t points,
                 const RigidTransform& turned) {
-  std::vector<double> depths;  // for a translation of length 1
+  constexpr double kShortest2 = 1e-4;  // squared: next to the epipole a depth stays finite
+  std::vector<double> depths;          // for a translation of length 1
   for (const Parallax& p : parallax) {
     const Eigen::Vector2d line = epipolar_line(p, found.direction);
     depths.push_back(
-        std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), 1e-4)));
+        std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), kShortest2)));
   }
   std::vector<double> sorted = depths;
-  const double unit = std::max(median(sorted), 1e-6);
+  const double unit = std::max(median(sorted), kLeastParallax);
   Heading result{.T_camera_world = {}, .inverse_depths = std::vector<double>(points, 1.0)};
   for (std::size_t k = 0; k < parallax.size(); ++k)
     result.inverse_depths[parallax[k].index] = depths[k] / unit;

@@ -12,6 +12,14 @@ constexpr double kSettle = 0.02;            // per frame
 constexpr double kForget = 0.98;            // of the information, per frame: keeps the map correctable
 constexpr double kBestRelative = 0.02;      // lower limit of an inverse depth's relative uncertainty
 constexpr int kMargin_px = 2;
+constexpr double kNearestZ = 0.1;                  // of a point over its inverse depth, in the camera
+constexpr double kLeastInverse = 0.1;              // of a point whose uncertainty is limited, in typical ones
+constexpr double kLeastOfNew = 0.3;                // of a point whose prior's width is set, likewise
+constexpr double kCellMargin = 0.2;                // of a cell, on either side: no point is placed there
+constexpr double kJittered = 1 - 2 * kCellMargin;  // of a cell, between them
+constexpr double kReach2 = 9;                      // squared standard deviations: farther points tell nothing
+constexpr double kTypicalWeight = 1e-3;            // of the typical depth among those of the neighbours
+constexpr double kReadWeight = 0.01;               // of a corner of a pixel whose confidence counts
 
 // 0..1, from a hash of three integers (xxhash's avalanche)
 double jitter(unsigned a, unsigned b, unsigned c) {
@@ -47,7 +55,7 @@ bool sample_flow(const FlowField& flow, const Eigen::Vector2d& px, FlowSample& s
     sample.disagreement_px = std::max(sample.disagreement_px, *most - *least);
   }
   for (int k = 0; k < 4; ++k)
-    if (weights[k] > 0.01)
+    if (weights[k] > kReadWeight)
       sample.confidence = std::min(sample.confidence, flow.confidence.at(0, y0 + k / 2, x0 + k % 2));
   return sample.vector.allFinite();
 }
@@ -118,7 +126,7 @@ void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics
     point.seen_px += options_.pull * r.px;
     const double gained = r.per_inverse_depth.squaredNorm() / (point.sigma_px * point.sigma_px);
     const double most =
-        1 / std::pow(kBestRelative * std::max(point.inverse_depth, 0.1 * kTypicalInverseDepth), 2);
+        1 / std::pow(kBestRelative * std::max(point.inverse_depth, kLeastInverse * kTypicalInverseDepth), 2);
     point.information =
         std::min(kForget * point.information + gained, std::max(most, histories_[i].seed_information));
   }
@@ -167,17 +175,17 @@ void PointTracks::mark_all_unseen() {
 
 double PointTracks::expected_inverse_depth(const Eigen::Vector2d& px, double reach_px,
                                            const RigidTransform& T_camera_world) const {
-  double sum = 1e-3 * kTypicalInverseDepth, weights = 1e-3;
+  double sum = kTypicalWeight * kTypicalInverseDepth, weights = kTypicalWeight;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double distance = (points_[i].seen_px - px).squaredNorm() / (reach_px * reach_px);
-    if (distance > 9 || histories_[i].age == 0 || histories_[i].outlier > 0) continue;
+    if (distance > kReach2 || histories_[i].age == 0 || histories_[i].outlier > 0) continue;
     const double learnt =
         1 - histories_[i].seed_information / std::max(points_[i].information, histories_[i].seed_information);
     const double weight = std::exp(-0.5 * distance) * learnt;
     const Eigen::Vector3d y =
         T_camera_world.R * points_[i].direction_world +
         points_[i].inverse_depth * (T_camera_world.R * points_[i].origin_world + T_camera_world.t);
-    sum += weight * points_[i].inverse_depth / std::max(y.z(), 0.1), weights += weight;
+    sum += weight * points_[i].inverse_depth / std::max(y.z(), kNearestZ), weights += weight;
   }
   return sum / weights;
 }
@@ -203,8 +211,8 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
     for (int x = 0; x < across; ++x) {
       const unsigned index = static_cast<unsigned>(y * across + x);
       if (occupied_[index]) continue;
-      const Eigen::Vector2d px((x + 0.2 + 0.6 * jitter(index, frame_, 1)) * cell_x,
-                               (y + 0.2 + 0.6 * jitter(index, frame_, 2)) * cell_y);
+      const Eigen::Vector2d px((x + kCellMargin + kJittered * jitter(index, frame_, 1)) * cell_x,
+                               (y + kCellMargin + kJittered * jitter(index, frame_, 2)) * cell_y);
       if (px.x() < kMargin_px || px.y() < kMargin_px || px.x() > cols - kMargin_px ||
           px.y() > rows - kMargin_px)
         continue;
@@ -216,7 +224,7 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
       point.direction_world = T_world_camera.R * ray(lens, px);
       point.inverse_depth = expected_inverse_depth(px, 2 * cell, T_camera_world);
       const double spread = (depth_known ? options_.prior_spread : options_.vague_spread) *
-                            std::max(point.inverse_depth, 0.3 * kTypicalInverseDepth);
+                            std::max(point.inverse_depth, kLeastOfNew * kTypicalInverseDepth);
       point.information = 1 / (spread * spread);
       point.seen_px = px;
       points_.push_back(point);

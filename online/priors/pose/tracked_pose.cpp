@@ -56,10 +56,13 @@ std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t 
 
 void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, PoseFitter& fitter,
             Heading& heading) {
+  constexpr double kLeastNoise = 0.1, kMostNoise = 2.5;  // in sigmas of the tracks, which are not learnt yet
+  constexpr double kWidest_sigmas = 6;                   // half of the usual: a heading starts near
   std::vector<double> errors;
   for (int round = 0; round < rounds; ++round) {
-    const FitOptions options{
-        .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
+    const FitOptions options{.steps = kHeadingSteps,
+                             .noise_scale = std::clamp(heading.noise, kLeastNoise, kMostNoise),
+                             .widest_sigmas = kWidest_sigmas};
     heading.T_camera_world =
         fitter.fit(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
     heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world, errors);
