@@ -9,13 +9,14 @@
 namespace hdrcam {
 namespace {
 
+constexpr float kMostSigma = 10;  // of ln radiance: more says no more, and unseen pixels have far more
+
 constexpr int code(Provenance from) { return static_cast<int>(from); }
 
 }  // namespace
 
 void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
-  constexpr float kDarkOffset = 1 / kPsnrMu;  // of white: differences below it are not visible
-  const float offset = estimate.white * kDarkOffset;
+  const float offset = barely_visible(estimate.white);
   frame.facts = estimate.frame.facts;
   frame.exposure = static_cast<float>(frame.facts.exposure() / estimate.reference_exposure);  // as stated
   frame.reference_exposure = estimate.reference_exposure;
@@ -51,7 +52,7 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
           const float r = radiance[c][x] + offset, v = variance[c][x];
           relative += v / (r * r) * (1 / 3.f);
         }
-        sigma[x] = std::min(10.f, std::sqrt(relative));
+        sigma[x] = std::min(kMostSigma, std::sqrt(relative));
       }
       for (int x = 0; x < cols; ++x) {  // without branches, so that it becomes vectors
         const float worst = std::max(std::max(std::max(0.f, variance[0][x]), variance[1][x]), variance[2][x]);

@@ -5,9 +5,8 @@
 namespace hdrcam {
 
 void KeyframeMaker::complete(const SnapshotHold& field, const Keyframe* before, Keyframe& key) {
-  constexpr float kDark = 1 / kPsnrMu;  // of white: differences below it are noise
   take_depth(field, key);
-  edges_.follow(key.frame.radiance, kDark * key.frame.white, key.inverse_depth);
+  edges_.follow(key.frame.radiance, barely_visible(key.frame.white), key.inverse_depth);
   if (before != nullptr) motion_.match(*before, key);
 }
 
