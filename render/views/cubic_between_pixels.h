@@ -24,7 +24,7 @@ class CubicBetweenPixels {
         wx_(weights(x_.share)) {}
 
   float value(int channel) const {
-    constexpr float kLimit = 0.3f;
+    constexpr float kLimit = 0.3f;  // of the bilinear value, up and down
     float sum = 0;
     for (std::size_t j = 0; j < 4; ++j) {
       const float* row = in_.row(channel, rows_[j]);
@@ -38,9 +38,10 @@ class CubicBetweenPixels {
   int nearest_col() const { return x_.share < 0.5f ? x_.low : x_.high; }
 
  private:
-  // Places are rounded to 1/32 pixel: what does not move is copied, not interpolated.
+  // Places are rounded to a part of a pixel: what does not move is copied, not interpolated.
   static AxisTap rounded_tap(float place, int size) {
-    return tap_at(std::round(std::clamp(place, 0.f, static_cast<float>(size - 1)) * 32) / 32, size);
+    constexpr float kParts = 32;  // as warp.h rounds
+    return tap_at(std::round(std::clamp(place, 0.f, static_cast<float>(size - 1)) * kParts) / kParts, size);
   }
   static std::array<int, 4> four_around(AxisTap tap, int size) {
     return {std::max(tap.low - 1, 0), tap.low, tap.high, std::min(tap.low + 2, size - 1)};

@@ -42,21 +42,25 @@ void leave_out_hidden(Sights& sights) {
 }
 
 // What one source shows there: its picture between its pixels, or, where the view reduces it, the mean over
-// the pixels that one of the view covers.
+// the pixels that one of the view covers. The provenance is that of the nearest pixel.
 struct Shown {
-  float radiance[3], sigma;
+  float radiance[3], sigma, provenance;
 };
 
 Shown shown_by(const Sight& sight) {
   constexpr float kReduced_px = 1.25f;  // fine texture hardly aliases below it, and stays sharp
   const HdrFrame& seen = sight.key->frame;
+  const CubicBetweenPixels at(seen.radiance, sight.x, sight.y);
+  const float provenance = seen.provenance.at(0, at.nearest_row(), at.nearest_col());
   if (sight.side_px > kReduced_px) {
     const PixelArea area(sight.x, sight.y, sight.side_px, seen.radiance.rows(), seen.radiance.cols());
     return {{area.mean(seen.radiance, 0), area.mean(seen.radiance, 1), area.mean(seen.radiance, 2)},
-            area.mean(seen.sigma, 0)};
+            area.mean(seen.sigma, 0),
+            provenance};
   }
-  const CubicBetweenPixels at(seen.radiance, sight.x, sight.y);
-  return {{at.value(0), at.value(1), at.value(2)}, seen.sigma.at(0, at.nearest_row(), at.nearest_col())};
+  return {{at.value(0), at.value(1), at.value(2)},
+          seen.sigma.at(0, at.nearest_row(), at.nearest_col()),
+          provenance};
 }
 
 // The mean of the sights at a pixel of the view; its provenance is that of the one that counts most.
@@ -65,6 +69,7 @@ void show(Sights& sights, int y, int x, HdrFrame& frame) {
   auto& of = sights.of;
   float sum = 0;
   for (std::size_t i = 0; i < count; ++i) sum += of[i].weight = std::max(of[i].weight, kLeastWeight);
+  const std::size_t most = count == 2 && of[1].weight > of[0].weight ? 1 : 0;
   float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Sight& sight = of[i];
@@ -73,13 +78,11 @@ void show(Sights& sights, int y, int x, HdrFrame& frame) {
     for (int c = 0; c < 3; ++c) radiance[c] += weight * shown.radiance[c];
     inverse_depth += weight * sight.inverse_depth;
     sigma += weight * shown.sigma;
+    if (i == most) frame.provenance.at(0, y, x) = shown.provenance;
   }
-  const Sight& most = of[count == 2 && of[1].weight > of[0].weight ? 1 : 0];
-  const CubicBetweenPixels at(most.key->frame.radiance, most.x, most.y);
   for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
   frame.depth.at(0, y, x) = 1 / inverse_depth;
   frame.sigma.at(0, y, x) = sigma;
-  frame.provenance.at(0, y, x) = most.key->frame.provenance.at(0, at.nearest_row(), at.nearest_col());
 }
 
 }  // namespace
@@ -114,7 +117,7 @@ void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& vie
 void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float share,
                         const RigidTransform& T_view_recorded, const SceneView& view, Source& source) {
   constexpr float kTie = 0.15f;  // of ln depth: surfaces closer than this are ordered by their motion's trust
-  constexpr float kNearest = 1e-3f;
+  constexpr float kNearest = 1e-3f;  // z over the source's: nearer, or behind the view, nothing is drawn
   const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
   source.vertices.reshape(rows, cols);
   MeshVertices& out = source.vertices;
