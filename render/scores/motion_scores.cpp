@@ -56,8 +56,8 @@ FlickerScores flicker(const LogFrames& before, const LogFrames& now, const Motio
   return scores;
 }
 
-MeanError forward_flow_error(const Image<float>& estimate, const MotionTruth& motion) {
-  MeanError error;
+RunningMean forward_flow_error(const Image<float>& estimate, const MotionTruth& motion) {
+  RunningMean error;
   for (std::size_t i = 0; i < motion.comparable.size(); ++i) {
     if (motion.comparable.plane(0)[i] == 0) continue;
     error.add(static_cast<double>(std::hypot(estimate.plane(0)[i] - motion.flow.plane(0)[i],
@@ -66,10 +66,10 @@ MeanError forward_flow_error(const Image<float>& estimate, const MotionTruth& mo
   return error;
 }
 
-MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& motion) {
+RunningMean backward_flow_error(const Image<float>& estimate, const MotionTruth& motion) {
   const FarEnd far_end(motion);
   const cv::Mat dx = far_end.read(estimate, 0), dy = far_end.read(estimate, 1);
-  MeanError error;
+  RunningMean error;
   for (int y = 0; y < dx.rows; ++y) {
     for (int x = 0; x < dx.cols; ++x) {
       if (motion.comparable.at(0, y, x) == 0) continue;
@@ -82,14 +82,13 @@ MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& m
 
 void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate,
                           std::vector<float>& ratios) {
-  constexpr std::size_t kStride = 11;
-  for (std::size_t i = 0; i < truth.size(); i += kStride)
+  for (std::size_t i = 0; i < truth.size(); i += kRatioStride)
     if (truth.plane(0)[i] > 0 && estimate.plane(0)[i] > 0)
       ratios.push_back(truth.plane(0)[i] / estimate.plane(0)[i]);
 }
 
-MeanError depth_error(const Image<float>& truth, const Image<float>& estimate, double scale) {
-  MeanError error;
+RunningMean depth_error(const Image<float>& truth, const Image<float>& estimate, double scale) {
+  RunningMean error;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double t = static_cast<double>(truth.plane(0)[i]), e = static_cast<double>(estimate.plane(0)[i]);
     if (t > 0 && e > 0) error.add(std::abs(scale * e - t) / t);

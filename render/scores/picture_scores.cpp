@@ -23,12 +23,14 @@ float pu21(float luminance) {
   return kP[6] * (std::pow((kP[0] + kP[1] * y) / (1 + kP[2] * y), kP[4]) - kP[5]);
 }
 
+// Equal pictures have 120 dB.
 double decibel(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
 
 double square(double v) { return v * v; }
 
-// Structural similarity (Wang et al. 2004) with both constants for a range of 1.
+// Structural similarity (Wang et al. 2004, eq. 13), of pictures whose range is 1.
 double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
+  constexpr double kC1 = 1e-4, kC2 = 9e-4;  // (K L)^2 with K1 = 0.01, K2 = 0.03
   const auto blurred = [](const cv::Mat& m) {
     cv::Mat out;
     cv::GaussianBlur(m, out, cv::Size(11, 11), 1.5);
@@ -41,8 +43,8 @@ double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
     const double ma = mean_a.at<double>(i), mb = mean_b.at<double>(i);
     const double variance_a = square_a.at<double>(i) - ma * ma, variance_b = square_b.at<double>(i) - mb * mb;
     const double covariance = product.at<double>(i) - ma * mb;
-    sum += (2 * ma * mb + 1e-4) * (2 * covariance + 9e-4) /
-           ((ma * ma + mb * mb + 1e-4) * (variance_a + variance_b + 9e-4));
+    sum += (2 * ma * mb + kC1) * (2 * covariance + kC2) /
+           ((ma * ma + mb * mb + kC1) * (variance_a + variance_b + kC2));
   }
   return sum / static_cast<double>(a.total());
 }

@@ -17,17 +17,10 @@ namespace {
 // Well exposed, as a fraction of white: neither noisy nor near clipping.
 constexpr float kWellExposedFrom = 0.004f, kWellExposedTo = 0.6f;
 
-class Mean {
- public:
-  void add(std::optional<double> value) {
-    if (value) error_.add(*value);
-  }
-  std::optional<double> value() const { return error_.mean(); }
-  double operator*() const { return error_.mean().value_or(0); }
+constexpr std::size_t kWhiteStride = 7;  // every seventh pixel tells white
+constexpr double kWhitePercent = 99.9;
 
- private:
-  MeanError error_;
-};
+double mean_or_zero(const RunningMean& of) { return of.mean().value_or(0); }
 
 // The results of one frame that the next needs.
 struct PreviousFrame {
@@ -91,24 +84,23 @@ class ClipScoring {
     return {};
   }
 
-  // White is a percentile of every seventh pixel's brightest channel.
+  // A percentile of some pixels' brightest channel.
   Result<void> find_white() {
     std::vector<float> brightest;
     for (const int frame : frames_) {
       TRY(unless_stopped());
       const Image<float> g = TRY(truth_.radiance(frame));
-      for (std::size_t i = 0; i < g.plane_size(); i += 7)
+      for (std::size_t i = 0; i < g.plane_size(); i += kWhiteStride)
         brightest.push_back(std::max({g.plane(0)[i], g.plane(1)[i], g.plane(2)[i]}));
     }
-    scores_.shared.white = std::min(percentile(brightest, 99.9), truth_.shortest_saturation());
+    scores_.shared.white = std::min(percentile(brightest, kWhitePercent), truth_.shortest_saturation());
     if (!(scores_.shared.white > 0))
       return Error{ErrorCode::Invalid,
                    "the ground truth of the clip is black; there is nothing to compare with"};
     return {};
   }
 
-  // A gain is the median log ratio over every eleventh pixel, where it is well exposed; likewise the depth
-  // scale.
+  // A gain is the median log ratio over some pixels, where they are well exposed; likewise the depth scale.
   Result<void> find_gains() {
     const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
     const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
@@ -119,7 +111,7 @@ class ClipScoring {
       const Image<float> g = TRY(truth_.radiance(frame));
       const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
       for (int c = 0; c < 3; ++c)
-        for (std::size_t i = 0; i < g.plane_size(); i += 11)
+        for (std::size_t i = 0; i < g.plane_size(); i += kRatioStride)
           if (const float t = g.plane(c)[i], v = e.radiance.plane(c)[i]; t > from && t < to && v > 0)
             log_ratios[static_cast<std::size_t>(c)].push_back(std::log(t / v));
       if (!e.depth.empty()) {
@@ -158,19 +150,8 @@ class ClipScoring {
     // half-stop phases, ties to even
     phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure(frame)) * 2))].add(
         scored.picture.log_bias_stops);
-    if (previous_.frame == frame - 1 && !previous_.motion.flow.empty()) {
-      const FlickerScores f =
-          flicker({previous_.pair.truth_log2, previous_.pair.estimate_log2},
-                  {now.pair.truth_log2, now.pair.estimate_log2}, previous_.motion, previous_.moving);
-      scored.flicker_stops = f.all.mean();
-      flicker_.add(f.all.mean()), flicker_background_.add(f.background.mean());
-      if (!e.flow_backward.empty()) flow_backward_ += backward_flow_error(e.flow_backward, previous_.motion);
-      if (!e.field_flow.empty()) {
-        field_flow_ += backward_flow_error(e.field_flow, previous_.motion);
-        field_flow_moving_ +=
-            backward_flow_error(e.field_flow, only_moving(previous_.motion, previous_.moving));
-      }
-    }
+    if (previous_.frame == frame - 1 && !previous_.motion.flow.empty())
+      scored.flicker_stops = score_since_previous(e, now);
     TRY(score_novel_view(frame));
     if (!e.flow_forward.empty() && !now.motion.flow.empty() && is_followed(frame))
       flow_forward_ += forward_flow_error(e.flow_forward, now.motion);
@@ -180,6 +161,21 @@ class ClipScoring {
     }
     previous_ = std::move(now);
     return {};
+  }
+
+  // What happened since the frame before: its flicker, which is returned, and errors of flow back to it.
+  std::optional<double> score_since_previous(const Estimate& e, const PreviousFrame& now) {
+    const FlickerScores f =
+        flicker({previous_.pair.truth_log2, previous_.pair.estimate_log2},
+                {now.pair.truth_log2, now.pair.estimate_log2}, previous_.motion, previous_.moving);
+    flicker_.add(f.all.mean()), flicker_background_.add(f.background.mean());
+    if (!e.flow_backward.empty()) flow_backward_ += backward_flow_error(e.flow_backward, previous_.motion);
+    if (!e.field_flow.empty()) {
+      field_flow_ += backward_flow_error(e.field_flow, previous_.motion);
+      field_flow_moving_ +=
+          backward_flow_error(e.field_flow, only_moving(previous_.motion, previous_.moving));
+    }
+    return f.all.mean();
   }
 
   // Without the next frame a frame's motion leads to a later one, or is not known: files then have zeros.
@@ -198,26 +194,35 @@ class ClipScoring {
   }
 
   void summarise() {
-    Mean mu, linear, pu, ssim, log_rmse, log_bias, moving, phase, phase_square;
+    RunningMean mu, linear, pu, ssim, log_rmse, log_bias, moving, phase, phase_square;
     for (const FrameScores& scored : scores_.frames) {
       const PictureScores& p = scored.picture;
       mu.add(p.psnr_mu_db), linear.add(p.psnr_l_db), pu.add(p.psnr_pu_db), ssim.add(p.ssim_mu);
       log_rmse.add(p.log_rmse_stops), log_bias.add(p.log_bias_stops), moving.add(p.psnr_mu_moving_db);
     }
-    scores_.mean = {*mu, *linear, *pu, *ssim, *log_rmse, *log_bias, moving.value()};
+    scores_.mean = {.psnr_mu_db = mean_or_zero(mu),
+                    .psnr_l_db = mean_or_zero(linear),
+                    .psnr_pu_db = mean_or_zero(pu),
+                    .ssim_mu = mean_or_zero(ssim),
+                    .log_rmse_stops = mean_or_zero(log_rmse),
+                    .log_bias_stops = mean_or_zero(log_bias),
+                    .psnr_mu_moving_db = moving.mean()};
     scores_.worst = *std::min_element(
         scores_.frames.begin(), scores_.frames.end(),
         [](const auto& a, const auto& b) { return a.picture.psnr_mu_db < b.picture.psnr_mu_db; });
-    for (const auto& [half_stops, bias] : phases_) phase.add(*bias);
-    for (const auto& [half_stops, bias] : phases_) phase_square.add((*bias - *phase) * (*bias - *phase));
-    scores_.phase_stops = std::sqrt(*phase_square);
-    scores_.flicker_stops = flicker_.value(), scores_.flicker_background_stops = flicker_background_.value();
+    for (const auto& [half_stops, bias] : phases_) phase.add(mean_or_zero(bias));
+    for (const auto& [half_stops, bias] : phases_) {
+      const double apart = mean_or_zero(bias) - mean_or_zero(phase);
+      phase_square.add(apart * apart);
+    }
+    scores_.phase_stops = std::sqrt(mean_or_zero(phase_square));
+    scores_.flicker_stops = flicker_.mean(), scores_.flicker_background_stops = flicker_background_.mean();
     scores_.flow_backward_epe_px = flow_backward_.mean(), scores_.flow_forward_epe_px = flow_forward_.mean();
     scores_.field_flow_epe_px = field_flow_.mean();
     scores_.field_flow_moving_epe_px = field_flow_moving_.mean();
-    scores_.novel_psnr_mu_db = novel_psnr_mu_.value();
+    scores_.novel_psnr_mu_db = novel_psnr_mu_.mean();
     scores_.depth_abs_rel = depth_.mean();
-    scores_.psnr_mu_single_gain_db = *single_gain_db_;
+    scores_.psnr_mu_single_gain_db = mean_or_zero(single_gain_db_);
   }
 
   const GroundTruth& truth_;
@@ -228,9 +233,9 @@ class ClipScoring {
   double depth_scale_ = 1;
   Normalisation single_gain_;
   PreviousFrame previous_;
-  std::map<int, Mean> phases_;  // mean log2 error by half-stops of exposure
-  Mean flicker_, flicker_background_, single_gain_db_, novel_psnr_mu_;
-  MeanError depth_, flow_backward_, flow_forward_, field_flow_, field_flow_moving_;
+  std::map<int, RunningMean> phases_;  // mean log2 error by half-stops of exposure
+  RunningMean flicker_, flicker_background_, single_gain_db_, novel_psnr_mu_;
+  RunningMean depth_, flow_backward_, flow_forward_, field_flow_, field_flow_moving_;
   ClipScores scores_;
 };
 
