@@ -239,34 +239,48 @@ Image<float> shown(const Image<float>& data, const Imath::Box2i& window, const I
   return picture;
 }
 
+Result<std::vector<std::string>> channel_names(const Imf::Header& header, const std::string& name) {
+  std::vector<std::string> names;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
+      return Error{
+          ErrorCode::Unsupported,
+          fmt::format("channel '{}' of '{}' is subsampled; save it at full resolution", it.name(), name)};
+    names.emplace_back(it.name());
+  }
+  return names;
+}
+
+// Before any memory is taken for it.
+Result<void> check_possible(const Imf::Header& header, std::size_t channels, std::size_t file_bytes,
+                            const std::string& name) {
+  const auto samples_of = [&](const Imath::Box2i& window) {
+    return static_cast<std::size_t>(width_of(window)) * static_cast<std::size_t>(height_of(window)) *
+           channels;
+  };
+  const Imath::Box2i& window = header.dataWindow();
+  const std::size_t samples = samples_of(window), shown_samples = samples_of(header.displayWindow());
+  const std::size_t most_shown = std::max(kMostBesideData * samples, kUltraHighDefinition * channels);
+  if (samples == 0 || samples > kMaxSamples || shown_samples == 0 || shown_samples > kMaxSamples ||
+      shown_samples > most_shown)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
+                             channels, width_of(window), height_of(window))};
+  if (!can_hold(file_bytes, header, samples))
+    return Error{ErrorCode::Truncated,
+                 fmt::format("'{}' has {} bytes, too few for {} channels of {}x{}: it was cut, or is damaged",
+                             name, file_bytes, channels, width_of(window), height_of(window))};
+  return {};
+}
+
 Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::string& name) {
   Imf::InputFile file(in, 0);
   const Imf::Header& header = file.header();
   const Imath::Box2i &window = header.dataWindow(), &display = header.displayWindow();
   const int cols = width_of(window), rows = height_of(window);
   ExrImage image;
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
-      return Error{
-          ErrorCode::Unsupported,
-          fmt::format("channel '{}' of '{}' is subsampled; save it at full resolution", it.name(), name)};
-    image.names.emplace_back(it.name());
-  }
-  const std::size_t samples =
-      static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
-  const std::size_t shown_samples = static_cast<std::size_t>(width_of(display)) *
-                                    static_cast<std::size_t>(height_of(display)) * image.names.size();
-  const std::size_t most_shown =
-      std::max(kMostBesideData * samples, kUltraHighDefinition * image.names.size());
-  if (samples == 0 || samples > kMaxSamples || shown_samples == 0 || shown_samples > kMaxSamples ||
-      shown_samples > most_shown)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
-                             image.names.size(), cols, rows)};
-  if (!can_hold(file_bytes, header, samples))
-    return Error{ErrorCode::Truncated,
-                 fmt::format("'{}' has {} bytes, too few for {} channels of {}x{}: it was cut, or is damaged",
-                             name, file_bytes, image.names.size(), cols, rows)};
+  image.names = TRY(channel_names(header, name));
+  TRY(check_possible(header, image.names.size(), file_bytes, name));
   image.attributes = attributes_of(header);
   image.samples = Image<float>(static_cast<int>(image.names.size()), rows, cols);
   Imf::FrameBuffer frame;
