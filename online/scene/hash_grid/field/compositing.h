@@ -8,12 +8,13 @@
 
 #include <cmath>
 
+#include "online/scene/hash_grid/field/ray_constants.h"
+
 namespace hdrcam {
 
-constexpr int kMaxSamples = 16;  // per ray
-// Added to the sum of both densities: keeps the share defined where both branches are empty.
+using ray_constants::kMaxSamples;
 template <class T>
-inline constexpr T kEmptyDensity = T(1e-6);
+inline constexpr T kEmptyDensity = T(ray_constants::kEmptyDensity);
 
 template <class T>
 struct Composite {

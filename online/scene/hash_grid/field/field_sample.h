@@ -29,7 +29,8 @@ template <class T>
 T sigmoid(T x) {
   return 1 / (1 + std::exp(-x));
 }
-constexpr float kDensityBound = 12, kRadianceBound = 20;
+using ray_constants::kDensityBound;
+using ray_constants::kRadianceBound;
 
 // The prior of log density for both branches: the base's surface, with empty space in front of it.
 // log_density at an inverse depth, and its slopes by inverse depth and by the surface's inverse depth.
@@ -39,10 +40,11 @@ struct SurfacePrior {
 };
 template <class T>
 SurfacePrior<T> surface_prior(T inverse_depth, T surface) {
-  constexpr T kEmpty = -6, kPeak = 8, kThickness = T(0.01), kPerDepth = T(0.04);
-  const T width = kThickness + kPerDepth * surface, away = (inverse_depth - surface) / width;
-  const T peak = kPeak * std::exp(T(-0.5) * away * away), slope = peak * away / width;
-  return {kEmpty + peak, -slope, slope * (1 + away * kPerDepth)};
+  using namespace ray_constants;
+  constexpr T kPerDepth = T(kThicknessPerDepth);
+  const T width = T(kThickness) + kPerDepth * surface, away = (inverse_depth - surface) / width;
+  const T peak = T(kSurface) * std::exp(T(-0.5) * away * away), slope = peak * away / width;
+  return {T(kEmptySpace) + peak, -slope, slope * (1 + away * kPerDepth)};
 }
 
 template <class T>
@@ -57,13 +59,13 @@ void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& 
                                      T(kRadianceBound));
 }
 
-// The prior of the static density: a base that moves is not static. 1 where the base does not move, falling
-// to e^-6 between a quarter of the window's pixels and two of them of flow.
+// The prior of the static density: a base that moves is not static. Flow in pixels of the window.
 template <class T>
 T static_prior(const T* base) {
+  using namespace ray_constants;
   T fastest = 0;
   for (int i = kBaseFlow; i < kBaseFlow + 4; ++i) fastest = std::max(fastest, std::abs(base[i]));
-  return std::exp(-std::clamp(4 * (fastest - T(0.25)), T(0), T(6)));
+  return std::exp(-std::clamp(T(kPerPixel) * (fastest - T(kStill)), T(0), T(kLeastStatic)));
 }
 
 template <class T>

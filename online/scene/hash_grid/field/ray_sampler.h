@@ -12,24 +12,25 @@
 
 namespace hdrcam {
 
-// Fills inverse_depth[count], near to far, and spacing[count] (optical length, arbitrary unit: 20 over the
-// whole range). jitter in [0, 1) moves each sample within its stratum; 0.5 is the middle.
+// Fills inverse_depth[count], near to far, and spacing[count] (optical length, arbitrary unit: kOpticalRange
+// over the whole range). jitter in [0, 1) moves each sample within its stratum; 0.5 is the middle.
 template <class T, class Jitter>
 void place_samples(T guide, int count, Jitter&& jitter, T* inverse_depth, T* spacing) {
-  constexpr T kOpticalRange = 20;
-  if (count < 4) {
+  using namespace ray_constants;
+  if (count < kFewSamples) {
     for (int k = 0; k < count; ++k) inverse_depth[k] = 1 - (T(k) + T(jitter())) / T(count);
     if (count == 1) inverse_depth[0] = guide;
   } else {
-    const int wide = std::max(1, count * 3 / 8), close = count - wide;
-    const T band = T(0.03) + T(0.1) * guide;
+    const int wide = std::max(1, count * kWide / kParts), close = count - wide;
+    const T band = T(kBand) + T(kBandPerDepth) * guide;
     for (int k = 0; k < close; ++k)
-      inverse_depth[k] = std::clamp(guide + band * (1 - 2 * (T(k) + T(jitter())) / T(close)), T(0), T(0.995));
+      inverse_depth[k] =
+          std::clamp(guide + band * (1 - 2 * (T(k) + T(jitter())) / T(close)), T(0), T(kNearestSample));
     for (int k = 0; k < wide; ++k) inverse_depth[close + k] = 1 - (T(k) + T(jitter())) / T(wide);
     std::sort(inverse_depth, inverse_depth + count, [](T a, T b) { return a > b; });
   }
   for (int k = 0; k < count; ++k)
-    spacing[k] = k + 1 < count ? (inverse_depth[k] - inverse_depth[k + 1]) * kOpticalRange : T(1);
+    spacing[k] = k + 1 < count ? (inverse_depth[k] - inverse_depth[k + 1]) * T(kOpticalRange) : T(1);
 }
 
 // Chooses pixels of one frame with a probability in proportion to the interest of their tile.

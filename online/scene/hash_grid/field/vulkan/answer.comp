@@ -15,8 +15,6 @@ layout(std430, set = 0, binding = 6) readonly buffer BasePixels { vec4 base[]; }
 WRITES(7, Answers, answers)
 #include "online/scene/hash_grid/field/vulkan/window.glsl"
 
-const float kDensityBound = 12, kRadianceBound = 20, kEmpty = 1e-6;
-
 float bounded_exp(float x, float bound) { return exp(clamp(x, -bound, bound)); }
 
 vec3 radiance_of(Base known, vec3 residual) {
@@ -41,7 +39,7 @@ void main() {
     const vec4 speed = abs(known.flow);
     const float fastest = max(max(speed.x, speed.y), max(speed.z, speed.w));
     float static_density = bounded_exp(static_raw[s] + known.log_density, kDensityBound) *
-                          exp(-clamp(4 * (fastest - 0.25), 0.0, 6.0));
+                          exp(-clamp(kPerPixel * (fastest - kStill), 0.0, kLeastStatic));
     const vec3 static_radiance =
         radiance_of(known, vec3(static_raw[ld + s], static_raw[2 * ld + s], static_raw[3 * ld + s]));
     const float static_known = known_share(known);
@@ -67,7 +65,7 @@ void main() {
       }
     }
     // compositing
-    const float total = static_density + dynamic_density + kEmpty;
+    const float total = static_density + dynamic_density + kEmptyDensity;
     const float passed = k + 1 < samples ? exp(-total * placed[4 * ld + s]) : 0;
     const float weight = light * (1 - passed);
     const float of_dynamic = weight * dynamic_density / total, of_static = weight - of_dynamic;

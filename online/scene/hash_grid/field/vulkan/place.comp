@@ -10,8 +10,6 @@ layout(std430, set = 0, binding = 2) readonly buffer BasePixels { vec4 base[]; }
 WRITES(3, Placed, placed)
 #include "online/scene/hash_grid/field/vulkan/window.glsl"
 
-const float kOpticalRange = 20;
-
 void main() {
   const int r = column();
   if (r >= rays) return;
@@ -19,15 +17,15 @@ void main() {
   const float guide = ray[3 * r + 2];
   const View camera = to_anchor(kCamera);
   float q[17];
-  if (samples < 4) {
+  if (samples < kFewSamples) {
     for (int k = 0; k < samples; ++k) q[k] = 1 - (float(k) + 0.5) / float(samples);
     if (samples == 1) q[0] = guide;
   } else {
-    const int wide = max(1, samples * 3 / 8), close = samples - wide;
-    const float band = 0.03 + 0.1 * guide;
+    const int wide = max(1, samples * kWide / kParts), close = samples - wide;
+    const float band = kBand + kBandPerDepth * guide;
     for (int n = 0; n < samples; ++n) {
       const float next =
-          n < close ? clamp(guide + band * (1 - 2 * (float(n) + 0.5) / float(close)), 0.0, 0.995)
+          n < close ? clamp(guide + band * (1 - 2 * (float(n) + 0.5) / float(close)), 0.0, kNearestSample)
                     : 1 - (float(n - close) + 0.5) / float(wide);
       int k = n;  // sorted into those before it
       for (; k > 0 && q[k - 1] < next; --k) q[k] = q[k - 1];

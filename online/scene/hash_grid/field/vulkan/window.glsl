@@ -2,6 +2,7 @@
 // fetch_base() in ../window.h. Includers declare what camera.glsl asks for, and `base`.
 //   views  [camera, frame, next, previous], as camera.glsl has them
 //   base   [rows, cols, 4 vectors]: BasePixel
+#include "online/scene/hash_grid/field/ray_constants.h"
 #include "online/scene/hash_grid/field/vulkan/camera.glsl"
 const int kCamera = 0, kFrame = 1, kNeighbour = 2;
 
@@ -30,7 +31,7 @@ Base base_at(View frame, vec3 point) {
   result.flow = vec4(found[1].zw, found[2].xy);
   if (seen.x < -0.5 || seen.y < -0.5 || seen.x > size.x + 0.5 || seen.y > size.y + 0.5) result.gate = vec3(1);
   // surface_prior() of ../field_sample.h
-  const float surface = found[3].x, width = 0.01 + 0.04 * surface, away = (seen.z - surface) / width;
-  result.log_density = -6 + 8 * exp(-0.5 * away * away);
+  const float surface = found[3].x, width = kThickness + kThicknessPerDepth * surface, away = (seen.z - surface) / width;
+  result.log_density = kEmptySpace + kSurface * exp(-0.5 * away * away);
   return result;
 }

@@ -22,8 +22,8 @@ WRITES(6, RawGradient, d_raw)
 
 const int kPlace = 20;
 // Of the ray's samples: densities(), and the light that reaches them, here and as the neighbour sees it.
-vec4 density_of[kMostSamples];
-float transmittance[kMostSamples], transmittance_there[kMostSamples];
+vec4 density_of[kMaxSamples];
+float transmittance[kMaxSamples], transmittance_there[kMaxSamples];
 
 float d_ray(int plane, int r) { return d_seen[plane * rays + r]; }
 vec3 d_ray3(int plane, int r) { return vec3(d_ray(plane, r), d_ray(plane + 1, r), d_ray(plane + 2, r)); }
@@ -39,7 +39,7 @@ void put3(int plane, int s, vec3 value) {
 // ../../field/compositing.h). behind: sum of w d_w of the samples behind it, which this one joins.
 vec2 composite_backward(float static_density, float dynamic_density, float spacing, float transmitted,
                         bool last, float d_weight, float d_dynamic_share, inout float behind) {
-  const float total = static_density + dynamic_density + kEmpty;
+  const float total = static_density + dynamic_density + kEmptyDensity;
   const float passed = last ? 0 : exp(-total * spacing);
   const float share = dynamic_density / total, weight = transmitted * (1 - passed);
   const float d_total = last ? 0 : spacing * (transmitted * passed * d_weight - behind);
@@ -107,7 +107,7 @@ void neighbour_backward(Ray ray, View neighbour, int s, int moved, int k, bool l
                         vec3 landing_static, inout float behind, inout vec3 d_density,
                         inout vec3 d_residual) {
   const vec4 density = density_of[k];
-  const float spacing = placed[5 * ld + s], total = density.x + density.z + kEmpty, share = density.z / total;
+  const float spacing = placed[5 * ld + s], total = density.x + density.z + kEmptyDensity, share = density.z / total;
   const float weight = transmittance_there[k] * (last ? 1 : 1 - exp(-total * spacing));
   const vec3 point = point_of(moved), landing = project(neighbour, point);
   const Base static_there = found(spot_at(ray.there, landing_static.xy));
@@ -154,8 +154,8 @@ void light_up(Ray ray, View neighbour, int r) {
     const vec4 density = densities(ray, static_scale, neighbour, s);
     density_of[k] = density;
     transmittance[k] = light, transmittance_there[k] = light_there;
-    light *= exp(-(density.x + density.y + kEmpty) * spacing);
-    light_there *= exp(-(density.x + density.z + kEmpty) * spacing);
+    light *= exp(-(density.x + density.y + kEmptyDensity) * spacing);
+    light_there *= exp(-(density.x + density.z + kEmptyDensity) * spacing);
   }
 }
 
@@ -182,7 +182,7 @@ void main() {
     const bool last = k + 1 == samples;
     const vec4 density = density_of[k];
     const float q = placed[4 * ld + s], spacing = placed[5 * ld + s];
-    const float total = density.x + density.y + kEmpty, share = density.y / total;
+    const float total = density.x + density.y + kEmptyDensity, share = density.y / total;
     const float weight = transmittance[k] * (last ? 1 : 1 - exp(-total * spacing));
     const vec3 static_exponent = exponent_of(ray.own, 0, s);
     float of_static = d_ray(5, r) * q + dot(d_radiance, radiance_of(static_exponent));

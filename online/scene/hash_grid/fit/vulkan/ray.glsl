@@ -7,10 +7,10 @@
 //           displaced ones behind all of them
 //   raw     [static outputs, dynamic outputs][ld], displaced samples as in `placed`
 //   base    [frames of the window, rows, cols, 4 vectors]: BasePixel
+#include "online/scene/hash_grid/field/ray_constants.h"
 #include "online/scene/hash_grid/field/vulkan/camera.glsl"
 
-const int kMostSamples = 16, kDynamic = 8;  // kDynamic: the dynamic outputs' first plane
-const float kDensityBound = 12, kRadianceBound = 20, kEmpty = 1e-6;
+const int kDynamic = 8;  // the dynamic outputs' first plane
 
 struct Base {
   vec4 of[4];
@@ -64,9 +64,9 @@ Base found(Spot at) {
 
 // The prior of log density, and its slopes by inverse depth and by the surface's inverse depth.
 vec3 surface_prior(float inverse_depth, float surface) {
-  const float width = 0.01 + 0.04 * surface, away = (inverse_depth - surface) / width;
-  const float peak = 8 * exp(-0.5 * away * away), slope = peak * away / width;
-  return vec3(peak - 6, -slope, slope * (1 + away * 0.04));
+  const float width = kThickness + kThicknessPerDepth * surface, away = (inverse_depth - surface) / width;
+  const float peak = kSurface * exp(-0.5 * away * away), slope = peak * away / width;
+  return vec3(kEmptySpace + peak, -slope, slope * (1 + away * kThicknessPerDepth));
 }
 
 float bounded_exp(float x) { return exp(clamp(x, -kDensityBound, kDensityBound)); }
@@ -83,7 +83,8 @@ vec3 radiance_of(vec3 exponent) { return exp(clamp(exponent, -kRadianceBound, kR
 // The prior of the static density: a base that moves is not static.
 float static_prior(Base own) {
   const vec4 speed = abs(vec4(own.of[1].zw, own.of[2].xy));
-  return exp(-clamp(4 * (max(max(speed.x, speed.y), max(speed.z, speed.w)) - 0.25), 0.0, 6.0));
+  const float fastest = max(max(speed.x, speed.y), max(speed.z, speed.w));
+  return exp(-clamp(kPerPixel * (fastest - kStill), 0.0, kLeastStatic));
 }
 vec3 scene_flow(Ray ray, int s) {
   const int first = 2 * ray.toward;

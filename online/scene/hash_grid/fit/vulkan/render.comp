@@ -35,7 +35,7 @@ void main() {
     const bool last = k + 1 == samples;
     const float spacing = placed[5 * ld + s];
     const vec4 density = densities(ray, static_scale, neighbour, s);
-    const float total = density.x + density.y + kEmpty, passed = last ? 0 : exp(-total * spacing);
+    const float total = density.x + density.y + kEmptyDensity, passed = last ? 0 : exp(-total * spacing);
     const float weight = light * (1 - passed);
     const float dynamic_weight = weight * density.y / total, static_weight = weight - dynamic_weight;
     light *= passed;
@@ -53,7 +53,7 @@ void main() {
     visible += static_weight + dynamic_weight * occlusion;
     const Base static_there = found(spot_at(ray.there, at_static.xy));
     const Base dynamic_there = found(spot_at(ray.there, at_dynamic.xy));
-    const float total_there = density.x + density.z + kEmpty;
+    const float total_there = density.x + density.z + kEmptyDensity;
     const float passed_there = last ? 0 : exp(-total_there * spacing);
     const float weight_there = light_there * (1 - passed_there);
     const float warped_dynamic = weight_there * density.z / total_there;
