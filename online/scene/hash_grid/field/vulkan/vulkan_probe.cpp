@@ -43,7 +43,7 @@ Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
 VulkanProbe::~VulkanProbe() {
   const GpuTurn turn(device_);
   static_ = {}, dynamic_ = {};
-  for (Room* room : {&rays_, &placed_, &moved_, &views_, &base_, &answers_}) room->buffer.reset();
+  for (GpuRoom* room : {&rays_, &placed_, &moved_, &views_, &base_, &answers_}) room->buffer.reset();
 }
 
 Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view,
@@ -61,33 +61,26 @@ Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view
   return {};
 }
 
-Result<void> VulkanProbe::reserve(Room& room, std::size_t bytes) {
-  if (room.buffer != nullptr && room.buffer->bytes() >= bytes) return {};
-  room.buffer.reset();
-  room.buffer = TRY(device_.buffer(bytes));
-  return {};
-}
-
 Result<void> VulkanProbe::reserve_for(const Branch<float>& branch, int ld, BranchRoom& room) {
   const auto rows = [&](int count) {
     return static_cast<std::size_t>(count) * static_cast<std::size_t>(ld) * sizeof(float);
   };
   TRY(check_fits_kernels(branch.mlp));
-  TRY(reserve(room.tables, branch.grid.tables().samples().size_bytes()));
-  TRY(reserve(room.levels, kMostLevels * kLevelWords * sizeof(std::uint32_t)));
-  TRY(reserve(room.parameters, kMostParameters * sizeof(float)));
-  TRY(reserve(room.features, rows(branch.mlp.inputs())));
-  return reserve(room.raw, rows(branch.mlp.outputs()));
+  TRY(room.tables.reserve(device_, branch.grid.tables().samples().size_bytes()));
+  TRY(room.levels.reserve(device_, kMostLevels * kLevelWords * sizeof(std::uint32_t)));
+  TRY(room.parameters.reserve(device_, kMostParameters * sizeof(float)));
+  TRY(room.features.reserve(device_, rows(branch.mlp.inputs())));
+  return room.raw.reserve(device_, rows(branch.mlp.outputs()));
 }
 
 Result<void> VulkanProbe::reserve_for(const RadianceField& field, int ld) {
   const auto samples = static_cast<std::size_t>(ld) * sizeof(float);
-  TRY(reserve(views_, kViews * kViewFloats * sizeof(float)));
-  TRY(reserve(base_, field.window.newest().base.samples().size_bytes()));
-  TRY(reserve(rays_, kBatchRays * sizeof(ProbeRay)));
-  TRY(reserve(answers_, kBatchRays * kAnswerPlanes * sizeof(float)));
-  TRY(reserve(placed_, kPlacedPlanes * samples));
-  TRY(reserve(moved_, 3 * samples));
+  TRY(views_.reserve(device_, kViews * kViewFloats * sizeof(float)));
+  TRY(base_.reserve(device_, field.window.newest().base.samples().size_bytes()));
+  TRY(rays_.reserve(device_, kBatchRays * sizeof(ProbeRay)));
+  TRY(answers_.reserve(device_, kBatchRays * kAnswerPlanes * sizeof(float)));
+  TRY(placed_.reserve(device_, kPlacedPlanes * samples));
+  TRY(moved_.reserve(device_, 3 * samples));
   TRY(reserve_for(field.networks.static_, ld, static_));
   return reserve_for(field.networks.dynamic, ld, dynamic_);
 }
@@ -116,7 +109,7 @@ void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
   upload(field.networks.dynamic, dynamic_);
 }
 
-void VulkanProbe::forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
+void VulkanProbe::forward(const Branch<float>& branch, int slot, const GpuRoom& position, int count, int ld,
                           BranchRoom& room) {
   GpuWork& work = device_.work();
   const struct {
@@ -154,7 +147,7 @@ Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeV
   work.upload(bytes_of(rays), *rays_.buffer);
   work.run(*kernels_[kPlace], {*rays_, *views_, *base_, *placed_}, constants, {count, 1, 1});
   forward(field.networks.static_, 0, placed_, samples, samples, static_);
-  const Room* position = &placed_;
+  const GpuRoom* position = &placed_;
   if (field.has_dynamic) {
     forward(field.networks.dynamic, slot, placed_, samples, samples, dynamic_);
     if (view.offset != 0) {

@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "hal/gpu/gpu_device.h"
 #include "online/scene/hash_grid/field/field_probe.h"
+#include "online/scene/hash_grid/field/vulkan/gpu_room.h"
 
 namespace hdrcam {
 
@@ -21,24 +21,18 @@ class VulkanProbe {
 
  private:
   enum Pass : std::size_t { kPlace, kEncode, kNetwork, kMove, kAnswer, kPasses };
-  // Memory of the device that grows when more is asked of it.
-  struct Room {
-    std::unique_ptr<GpuBuffer> buffer;
-    const GpuBuffer* operator*() const { return buffer.get(); }
-  };
   // One branch's parameters and what a batch makes of its samples.
   struct BranchRoom {
-    Room tables, levels, parameters, features, raw;
+    GpuRoom tables, levels, parameters, features, raw;
   };
   struct Constants;
 
   explicit VulkanProbe(GpuDevice& device) : device_(device) {}
-  Result<void> reserve(Room& room, std::size_t bytes);
   Result<void> reserve_for(const Branch<float>& branch, int ld, BranchRoom& room);
   Result<void> reserve_for(const RadianceField& field, int ld);
   void upload(const Branch<float>& branch, const BranchRoom& room);
   void upload(const RadianceField& field, const ProbeView& view);
-  void forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
+  void forward(const Branch<float>& branch, int slot, const GpuRoom& position, int count, int ld,
                BranchRoom& room);
   Result<void> look_at_batch(const RadianceField& field, const ProbeView& view,
                              std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers);
@@ -46,7 +40,7 @@ class VulkanProbe {
   GpuDevice& device_;
   std::array<const GpuKernel*, kPasses> kernels_{};
   BranchRoom static_, dynamic_;
-  Room rays_, placed_, moved_, views_, base_, answers_;
+  GpuRoom rays_, placed_, moved_, views_, base_, answers_;
   std::vector<float> fetched_;
 };
 

@@ -11,13 +11,6 @@ std::span<const std::byte> bytes_of(std::span<const float> values) { return std:
 
 }  // namespace
 
-Result<void> GpuRoom::reserve(GpuDevice& device, std::size_t bytes) {
-  if (buffer != nullptr && buffer->bytes() >= bytes) return {};
-  buffer.reset();
-  buffer = TRY(device.buffer(bytes));
-  return {};
-}
-
 int GpuBranch::per_chunk(int samples) {
   return std::max(kLeastChunk, (samples + kMostChunks - 1) / kMostChunks);
 }

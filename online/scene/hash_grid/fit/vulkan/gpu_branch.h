@@ -2,17 +2,10 @@
 // what a step makes of its samples. Thread-bound like the device, which outlives it.
 #pragma once
 
-#include "hal/gpu/gpu_device.h"
+#include "online/scene/hash_grid/field/vulkan/gpu_room.h"
 #include "online/scene/hash_grid/fit/optimised_branch.h"
 
 namespace hdrcam {
-
-// Memory of the device that is made anew when more is asked of it. Errors: those of the device.
-struct GpuRoom {
-  std::unique_ptr<GpuBuffer> buffer;
-  const GpuBuffer* operator*() const { return buffer.get(); }
-  Result<void> reserve(GpuDevice& device, std::size_t bytes);
-};
 
 struct GpuBranch {
   int levels = 0, slots = 0, entries = 0;                   // of the grid; entries: of a level and slot
