@@ -104,6 +104,36 @@ void flow_regularisers(const LossSetting<T>& setting, const RaySamples<T>& ray, 
   }
 }
 
+// The terms that compare a ray with the neighbour that it warps to.
+template <class T>
+void neighbour_losses(const LossSetting<T>& setting, const TrainingRay& target,
+                      const RenderedRay<T>& rendered, LossValues<T>& values, RayGradient<T>& gradient) {
+  const RaySamples<T>& ray = rendered.samples;
+  const RayPicture<T>& picture = rendered.picture;
+  RaySamples<T>& d_ray = gradient.samples;
+  RayPicture<T>& d_picture = gradient.picture;
+  const auto weight = [&](LossTerm term) { return setting.weight(term); };
+  const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
+
+  value(LossTerm::Warped) += warped_photometric_loss(
+      weight(LossTerm::Warped) * T(target.sharpness), setting.response, setting.exposure,
+      picture.warped_radiance, target.values, picture.visible, d_picture.warped_radiance, d_picture.visible);
+  value(LossTerm::Occlusion) +=
+      occlusion_loss(weight(LossTerm::Occlusion), picture.visible, d_picture.visible);
+  const T prior[2] = {T(target.flow_prior[0]), T(target.flow_prior[1])};
+  value(LossTerm::Flow) += flow_loss(weight(LossTerm::Flow) * T(target.flow_confidence), picture.landing,
+                                     prior, d_picture.landing);
+  value(LossTerm::Consistency) += radiance_consistency_loss(
+      weight(LossTerm::Consistency) * T(target.flow_confidence), picture.visible, picture.radiance,
+      picture.warped_radiance, d_picture.radiance, d_picture.warped_radiance, d_picture.visible);
+  const int there = static_cast<int>(ray.toward), back = 1 - there;
+  for (int k = 0; k < ray.count; ++k)
+    value(LossTerm::Cycle) +=
+        cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.dynamic[k].flow[there],
+                   ray.warped[k].flow[back], ray.dynamic[k].occlusion[there], d_ray.dynamic[k].flow[there],
+                   d_ray.warped[k].flow[back], d_ray.dynamic[k].occlusion[there]);
+}
+
 // Losses of one ray by term, each weighted and times its share. Adds to the gradient of the picture, of the
 // samples' flows and occlusions, and of the ray's weights, and, if not null, to that of the response.
 template <class T>
@@ -117,10 +147,9 @@ LossValues<T> ray_losses(const LossSetting<T>& setting, const TrainingRay& targe
   LossValues<T> values{};
   const auto weight = [&](LossTerm term) { return setting.weight(term); };
   const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
-  const T sharp = T(target.sharpness);
 
   value(LossTerm::Combined) +=
-      photometric_loss(weight(LossTerm::Combined) * sharp, setting.response, setting.exposure,
+      photometric_loss(weight(LossTerm::Combined) * T(target.sharpness), setting.response, setting.exposure,
                        picture.radiance, target.values, d_picture.radiance, d_response);
   const T state[3] = {T(target.state_log_radiance[0]), T(target.state_log_radiance[1]),
                       T(target.state_log_radiance[2])};
@@ -139,25 +168,7 @@ LossValues<T> ray_losses(const LossSetting<T>& setting, const TrainingRay& targe
   value(LossTerm::BlendEntropy) +=
       blend_entropy_loss(weight(LossTerm::BlendEntropy), picture.share, d_picture.share);
   flow_regularisers(setting, ray, values, d_ray);
-  if (!ray.warps) return values;
-
-  value(LossTerm::Warped) += warped_photometric_loss(
-      weight(LossTerm::Warped) * sharp, setting.response, setting.exposure, picture.warped_radiance,
-      target.values, picture.visible, d_picture.warped_radiance, d_picture.visible);
-  value(LossTerm::Occlusion) +=
-      occlusion_loss(weight(LossTerm::Occlusion), picture.visible, d_picture.visible);
-  const T prior[2] = {T(target.flow_prior[0]), T(target.flow_prior[1])};
-  value(LossTerm::Flow) += flow_loss(weight(LossTerm::Flow) * T(target.flow_confidence), picture.landing,
-                                     prior, d_picture.landing);
-  value(LossTerm::Consistency) += radiance_consistency_loss(
-      weight(LossTerm::Consistency) * T(target.flow_confidence), picture.visible, picture.radiance,
-      picture.warped_radiance, d_picture.radiance, d_picture.warped_radiance, d_picture.visible);
-  const int there = static_cast<int>(ray.toward), back = 1 - there;
-  for (int k = 0; k < ray.count; ++k)
-    value(LossTerm::Cycle) +=
-        cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.dynamic[k].flow[there],
-                   ray.warped[k].flow[back], ray.dynamic[k].occlusion[there], d_ray.dynamic[k].flow[there],
-                   d_ray.warped[k].flow[back], d_ray.dynamic[k].occlusion[there]);
+  if (ray.warps) neighbour_losses(setting, target, rendered, values, gradient);
   return values;
 }
 
