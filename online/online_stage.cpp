@@ -173,15 +173,18 @@ Result<void> OnlineStage::emit_ready(Stream stream, const Emit& emit) {
   return {};
 }
 
+LaterFrame OnlineStage::later_frame(std::size_t place, const ExposedFrame& emitted) {
+  const PendingFrame& later = frames_[place];
+  const float longer = std::log(later.frame.exposure / emitted.exposure);  // in ln
+  return {&later.frame, &later.motion.from_previous, &sensor_.tables_for(later.frame),
+          longer < -static_cast<float>(kSameExposure)};
+}
+
 Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Emit& emit) {
   StageWatch watch(timing_);
   const PendingFrame& pending = frames_[place];
   std::array<LaterFrame, kMaxLookAhead> later;
-  for (std::size_t k = 0; k < ahead; ++k) {
-    const PendingFrame& next = frames_[place + 1 + k];
-    later[k] = {&next.frame, &next.motion.from_previous, &sensor_.tables_for(next.frame),
-                std::log(next.frame.exposure / pending.frame.exposure) < -static_cast<float>(kSameExposure)};
-  }
+  for (std::size_t k = 0; k < ahead; ++k) later[k] = later_frame(place + 1 + k, pending.frame);
   const RadianceState& state = pending.state.radiance.empty() ? state_->state() : pending.state;
   const std::size_t joining = std::min(ahead, static_cast<std::size_t>(budget_.later_frames));
   const ScratchLease room(pool_.scratch(), joining > 0 ? camera_.height : 0, camera_.width,

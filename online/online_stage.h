@@ -69,6 +69,7 @@ class OnlineStage {
   Result<void> fit(PendingFrame& pending);
   Result<void> emit_ready(Stream stream, const Emit& emit);
   Result<void> emit_at(std::size_t place, std::size_t ahead, const Emit& emit);
+  LaterFrame later_frame(std::size_t place, const ExposedFrame& emitted);
 
   SceneView view_of(const PendingFrame& pending) const;
   // Whether the newest frame joins the one that becomes ready.
