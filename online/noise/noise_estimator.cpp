@@ -154,6 +154,15 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
   const ScratchLease more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});
   const float ratio = a.exposure / b.exposure;
   found_.assign(static_cast<std::size_t>(rows), 0);
+  compare_stripes(a, b, a_to_b, response, ratio);
+  sort_into_bins(ratio, gains);
+}
+
+// The first frames are compared everywhere, later ones in a part that is as large as a usual picture, in
+// turn, so that no pair of a cycle always has the same.
+void NoiseEstimator::compare_stripes(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
+                                     const Response& response, float ratio) {
+  const auto rows = static_cast<int>(found_.size());
   const auto compare_stripe = [&](int stripe) {
     const int first = stripe * kStripe, last = std::min(first + kStripe, rows) - 1;  // of the rows looked at
     const int top = first * kStride, bottom = last * kStride + 2 * kMargin;          // of the picture
@@ -161,18 +170,20 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
     for (int row = first; row <= last; ++row)
       found_[static_cast<std::size_t>(row)] = compare_row(a, a_to_b, response, ratio, row);
   };
-  // The first frames are compared everywhere, later ones in a part that is as large as a usual picture, in
-  // turn, so that no pair of a cycle always has the same. Stripes side by side share rows of the picture, so
-  // that each part leaves some out.
+  // Stripes side by side share rows of the picture, so that each part leaves some out.
   const int stripes = (rows + kStripe - 1) / kStripe, index = std::max(a.index, b.index);
   const int turns = std::clamp(a.codes.rows() * a.codes.cols() / kUsualPixels, 1, kMostTurns);
   const int parts = std::max(turns, 2);
   for (int part = 0; part < parts; ++part)
     if (turns == 1 || index < kWholeFrames || part == (index + index / turns) % turns)
       pool_.for_each((stripes - part + parts - 1) / parts, [&](int i) { compare_stripe(i * parts + part); });
-  const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * 4));
+}
+
+void NoiseEstimator::sort_into_bins(float ratio, PairGains gains) {
+  constexpr float kKeysPerStop = 4;
+  const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * kKeysPerStop));
   std::array<Bin, kBrightnesses>& bins = bins_[ratio_key];
-  for (int row = 0; row < rows; ++row)
+  for (int row = 0; row < static_cast<int>(found_.size()); ++row)
     for (int i = 0; i < found_[static_cast<std::size_t>(row)]; ++i) {
       const auto of = [&](Compared plane) { return compared_.at(plane, row, i); };
       const float exposure = of(kExposure), left = of(kLeft), slope_a = of(kSlopeA), slope_b = of(kSlopeB);

@@ -75,6 +75,9 @@ class NoiseEstimator {
     double variance, sigma;
   };
   enum Compared : int;
+  void compare_stripes(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
+                       const Response& response, float ratio);
+  void sort_into_bins(float ratio, PairGains gains);
   int compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response, float ratio,
                   int row);
   static Equation equation_of(const Bin& bin, std::vector<float>& sorted);
