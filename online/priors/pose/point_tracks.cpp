@@ -60,6 +60,12 @@ bool sample_flow(const FlowField& flow, const Eigen::Vector2d& px, FlowSample& s
   return sample.vector.allFinite();
 }
 
+// So far inside the picture that the flow can be read.
+bool is_inside(const Eigen::Vector2d& px, int rows, int cols) {
+  return px.x() >= kMargin_px && px.y() >= kMargin_px && px.x() <= cols - kMargin_px &&
+         px.y() <= rows - kMargin_px;
+}
+
 Eigen::Vector3d ray(const Intrinsics& lens, const Eigen::Vector2d& px) {
   return {(px.x() - lens.cx_px) / lens.fx_px, (px.y() - lens.cy_px) / lens.fy_px, 1};
 }
@@ -163,8 +169,7 @@ void PointTracks::coast(const Intrinsics& lens, const RigidTransform& T_camera_w
     if (!point.seen && keep) point.seen_px += r.px;
     keep =
         keep && histories_[i].unseen <= options_.longest_coast && histories_[i].age < options_.longest_track;
-    keep = keep && point.seen_px.x() >= kMargin_px && point.seen_px.y() >= kMargin_px &&
-           point.seen_px.x() <= cols - kMargin_px && point.seen_px.y() <= rows - kMargin_px;
+    keep = keep && is_inside(point.seen_px, rows, cols);
     if (!keep) remove(i);
   }
 }
@@ -192,6 +197,7 @@ double PointTracks::expected_inverse_depth(const Eigen::Vector2d& px, double rea
 
 void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
                        const RigidTransform& T_camera_world, bool depth_known) {
+  if (!depth_known && !points_.empty()) return;
   const double cell = std::sqrt(static_cast<double>(rows) * cols / options_.points);
   const int across = std::max(1, static_cast<int>(cols / cell)),
             down = std::max(1, static_cast<int>(rows / cell));
@@ -202,7 +208,10 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
     const int y = std::clamp(static_cast<int>(px.y() / cell_y), 0, down - 1);
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(across) + static_cast<std::size_t>(x);
   };
-  if (!depth_known && !points_.empty()) return;
+  const auto is_sure = [&](const Eigen::Vector2d& px) {
+    return confidence.empty() ||
+           confidence.at(0, static_cast<int>(px.y()), static_cast<int>(px.x())) >= options_.least_confidence;
+  };
   for (const ScenePoint& point : points_) occupied_[cell_of(point.seen_px)] = 1;
 
   const RigidTransform T_world_camera = T_camera_world.inverse();
@@ -213,12 +222,7 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
       if (occupied_[index]) continue;
       const Eigen::Vector2d px((x + kCellMargin + kJittered * jitter(index, frame_, 1)) * cell_x,
                                (y + kCellMargin + kJittered * jitter(index, frame_, 2)) * cell_y);
-      if (px.x() < kMargin_px || px.y() < kMargin_px || px.x() > cols - kMargin_px ||
-          px.y() > rows - kMargin_px)
-        continue;
-      if (!confidence.empty() && !(confidence.at(0, static_cast<int>(px.y()), static_cast<int>(px.x())) >=
-                                   options_.least_confidence))
-        continue;
+      if (!is_inside(px, rows, cols) || !is_sure(px)) continue;
       ScenePoint point;
       point.origin_world = T_world_camera.t;
       point.direction_world = T_world_camera.R * ray(lens, px);
