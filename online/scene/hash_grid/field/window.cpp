@@ -11,7 +11,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kStatic_px = 0.25f;  // of the stream
+constexpr float kStatic_px = 0.25f;    // of the stream
+constexpr double kLeastStep_s = 1e-3;  // after a frame that is no earlier than this one: times increase
 constexpr float kClippedCode = clip_policy::kLossOfOne.brightest * kMaxCode;
 constexpr int kRun = kMostBlocks;  // pixels of a row that a kernel takes at once
 
@@ -44,6 +45,36 @@ BlockRow blocks_of(const Image<float>& picture, int channel, int y, int x, int n
     blocks.row[k] = picture.row(channel, std::min(y * step + k, picture.rows() - 1)) + x * step;
   return blocks;
 }
+
+// How a base's displacement from one frame's view to another's changes with the anchor: what it leads to, at
+// the surface's inverse depth, is the same pixel.
+class Reanchoring {
+ public:
+  Reanchoring(const WindowFrustum& frustum, const RigidTransform& T_old_here,
+              const RigidTransform& T_old_there, const RigidTransform& T_new_old)
+      : here_(frustum, T_old_here),
+        there_(frustum, T_old_there),
+        here_new_(frustum, T_new_old * T_old_here),
+        there_new_(frustum, T_new_old * T_old_there),
+        unit_{frustum.u_per_px(), frustum.v_per_px()} {}
+
+  // shift[2]: pixels of the old anchor, becomes those of the new one.
+  void carry(int x, int y, float surface, float* shift) const {
+    const double q = static_cast<double>(surface), start[2] = {x + 0.5, y + 0.5};
+    double point[3], end[3], x_end[3];
+    here_.place(start, q, point);
+    for (std::size_t a = 0; a < 2; ++a) point[a] += static_cast<double>(shift[a]) * unit_[a];
+    there_.project(point, end, nullptr);
+    here_new_.place(start, q, point);
+    there_new_.place(end, q, x_end);
+    for (std::size_t a = 0; a < 2; ++a)
+      shift[a] = std::clamp(static_cast<float>((x_end[a] - point[a]) / unit_[a]), -kMostShift, kMostShift);
+  }
+
+ private:
+  ViewGeometry<double> here_, there_, here_new_, there_new_;
+  double unit_[2];
+};
 
 }  // namespace
 
@@ -143,7 +174,7 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
 
   frame.index = seen.index;
   frame.time_s = std::isfinite(seen.time_s) ? seen.time_s : 0;
-  if (previous != nullptr && frame.time_s <= previous->time_s) frame.time_s = previous->time_s + 1e-3;
+  if (previous != nullptr && frame.time_s <= previous->time_s) frame.time_s = previous->time_s + kLeastStep_s;
   frame.exposure = seen.exposure;
   frame.blur_fraction = std::isfinite(seen.blur_fraction) ? std::clamp(seen.blur_fraction, 0.f, 1.f) : 0;
   frame.T_world_camera = seen.T_world_camera.is_rigid() ? seen.T_world_camera
@@ -268,31 +299,16 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
 RigidTransform Window::move_anchor() {
   HDRCAM_CHECK(!order_.empty());
   const RigidTransform T_world_new = newest().T_world_camera;
-  RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
-  const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
+  const RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
   for (int i = 0; i < size(); ++i) {
     WindowFrame& lifted = writable(i);
     for (const auto& [neighbour, j] : {std::pair(Neighbour::Next, i + 1), {Neighbour::Previous, i - 1}}) {
-      const auto k = static_cast<std::size_t>(neighbour);
       if (j < 0 || j >= size()) continue;
-      const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera),
-          there(frustum_, frame(j).T_anchor_camera);
-      const ViewGeometry<double> here_new(frustum_, T_new_old * frame(i).T_anchor_camera);
-      const ViewGeometry<double> there_new(frustum_, T_new_old * frame(j).T_anchor_camera);
+      const Reanchoring way(frustum_, frame(i).T_anchor_camera, frame(j).T_anchor_camera, T_new_old);
       for (int y = 0; y < frustum_.rows; ++y)
         for (int x = 0; x < frustum_.cols; ++x) {
           BasePixel& base = lifted.base.at(0, y, x);
-          const double q = static_cast<double>(base[kBaseSurface]), start[2] = {x + 0.5, y + 0.5};
-          double point[3], end[3], x_end[3];
-          here.place(start, q, point);
-          for (std::size_t a = 0; a < 2; ++a)
-            point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];
-          there.project(point, end, nullptr);
-          here_new.place(start, q, point);
-          there_new.place(end, q, x_end);
-          for (std::size_t a = 0; a < 2; ++a)
-            base[kBaseFlow + 2 * k + a] =
-                std::clamp(static_cast<float>((x_end[a] - point[a]) / unit[a]), -kMostShift, kMostShift);
+          way.carry(x, y, base[kBaseSurface], &base[kBaseFlow + 2 * static_cast<std::size_t>(neighbour)]);
         }
     }
   }
@@ -314,17 +330,19 @@ bool Window::anchor_is_stale() const {
 }
 
 bool WindowFrames::has_parallax() const {
+  constexpr double kVisible_px = 0.5;
   for (const WindowFrame* frame : order_) {
     const double moved = frame->T_anchor_camera.t.norm();
-    if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px * frustum_.step_px > 0.5)
+    if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px * frustum_.step_px > kVisible_px)
       return true;
   }
   return false;
 }
 
 bool WindowFrames::has_motion() const {
+  constexpr float kMoving = 1e-3f;  // share of the pixels
   return std::any_of(order_.begin(), order_.end(),
-                     [](const WindowFrame* frame) { return frame->dynamic_share > 1e-3f; });
+                     [](const WindowFrame* frame) { return frame->dynamic_share > kMoving; });
 }
 
 }  // namespace hdrcam
