@@ -15,8 +15,8 @@ constexpr float kClipped = 0.98f;  // of the radiance that saturates the shortes
 }  // namespace
 
 std::optional<WhiteBalance> parse_white_balance(std::string_view text) {
-  if (text == "none") return WhiteBalance{};
-  if (text == "camera") return WhiteBalance{.as_camera = true, .gains = {}};
+  if (text == "none") return CameraColours();
+  if (text == "camera") return CameraGains();
   ChannelGains gains{};
   for (std::size_t c = 0; c < gains.size(); ++c) {
     const std::size_t comma = text.find(',');
@@ -26,12 +26,13 @@ std::optional<WhiteBalance> parse_white_balance(std::string_view text) {
     text.remove_prefix(comma == text.npos ? text.size() : comma + 1);
   }
   if (objection_to(gains)) return std::nullopt;
-  return WhiteBalance{.as_camera = false, .gains = gains};
+  return gains;
 }
 
 Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& wanted,
                                                         const CameraFacts& camera) {
-  if (!wanted.as_camera) return wanted.gains;
+  if (std::holds_alternative<CameraColours>(wanted)) return std::optional<ChannelGains>();
+  if (const auto* gains = std::get_if<ChannelGains>(&wanted)) return std::optional(*gains);
   if (!camera.white_balance)
     return Error{
         ErrorCode::Unsupported,

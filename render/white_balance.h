@@ -5,17 +5,17 @@
 
 #include <optional>
 #include <string_view>
+#include <variant>
 
 #include "hal/core/result.h"
 #include "render/hdr_frame.h"
 
 namespace hdrcam {
 
-// As it can be wished for; neither: the camera's own colours.
-struct WhiteBalance {
-  bool as_camera = false;             // as the camera states it
-  std::optional<ChannelGains> gains;  // or by these
-};
+// As it can be wished for: the camera's own colours, the gains that the camera states, or these.
+struct CameraColours {};
+struct CameraGains {};
+using WhiteBalance = std::variant<CameraColours, CameraGains, ChannelGains>;
 
 // "none", "camera", or gains of R, G and B from 1/64 to 64: "2,1,1.5". nullopt: none of these.
 std::optional<WhiteBalance> parse_white_balance(std::string_view text);

@@ -48,7 +48,7 @@ TEST_CASE("what is clipped in all exposures stays white, and what is a true colo
 TEST_CASE("a white balance that the camera does not state is an error where it is wanted") {
   CameraFacts camera;
   camera.name = "walk";
-  const WhiteBalance none, as_camera{.as_camera = true, .gains = {}};
+  const WhiteBalance none = CameraColours(), as_camera = CameraGains();
   CHECK_FALSE(white_balance_gains(none, camera).value());
   const auto missing = white_balance_gains(as_camera, camera);
   REQUIRE_FALSE(missing.ok());
@@ -60,10 +60,9 @@ TEST_CASE("a white balance that the camera does not state is an error where it i
 }
 
 TEST_CASE("a white balance is a word, or three gains that a camera can have") {
-  CHECK_FALSE(parse_white_balance("none")->gains);
-  CHECK_FALSE(parse_white_balance("none")->as_camera);
-  CHECK(parse_white_balance("camera")->as_camera);
-  CHECK(parse_white_balance("2,1,1.5")->gains == ChannelGains{2, 1, 1.5});
+  CHECK(std::holds_alternative<CameraColours>(parse_white_balance("none").value()));
+  CHECK(std::holds_alternative<CameraGains>(parse_white_balance("camera").value()));
+  CHECK(std::get<ChannelGains>(parse_white_balance("2,1,1.5").value()) == ChannelGains{2, 1, 1.5});
   CHECK(white_balance_gains(*parse_white_balance("2,1,1.5"), {}).value() == ChannelGains{2, 1, 1.5});
   for (const char* wrong : {"", "auto", "2", "2,1", "2,1,", ",1,2", "2,1,1.5,1", "2,0,1", "2,-1,1", "2,1,65",
                             "2,nan,1", "2, 1,1", "2,1,1.5x"}) {
