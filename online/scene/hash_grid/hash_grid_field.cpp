@@ -28,7 +28,7 @@ void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPictur
 
 HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
                              int cols, WorkerPool& pool, GpuDevice* gpu)
-    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool, gpu) {}
+    : pool_(pool), gpu_(gpu), fit_(with_near(options, near), lens, rows, cols, pool, gpu) {}
 
 HashGridField::~HashGridField() {
   for (const auto& snapshot : snapshots_) HDRCAM_CHECK(!snapshot->is_held());
@@ -125,7 +125,7 @@ void HashGridField::spread(const DepthMap& depth) {
         for (int v = v0; v < v1; ++v)
           for (int u = u0; u < u1; ++u)
             if (depth.weight.at(0, v, u) >= DepthMap::kBelieved)
-              sum += std::min(1.f, depth.inverse_depth.at(0, v, u) * near_), ++believed;
+              sum += std::min(1.f, depth.inverse_depth.at(0, v, u) * frustum.near), ++believed;
         inverse_depth_.at(0, y, x) =
             believed > 0 ? sum / static_cast<float>(believed) : std::numeric_limits<float>::quiet_NaN();
       }

@@ -64,7 +64,6 @@ class HashGridField final : public SceneField {
 
   WorkerPool& pool_;
   GpuDevice* gpu_;
-  float near_;
   FieldFit fit_;
   long frames_ = 0;             // since the first one or the restart
   Image<float> inverse_depth_;  // prior of the newest frame, on the window's pixels
