@@ -177,16 +177,16 @@ std::vector<Knob> field_knobs() {
           {.costs = "resolution of the grids",
            .gives = "width of the window over the picture: allows more camera motion"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::static_grid, &HashGridShape::log2_entries>(
-          "static_entries", {10, 20},
+          "static_entries", {10, HashGridShape::kMostLog2Entries},
           {.unit = "log2", .costs = "memory and cache misses", .gives = "detail of static content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::dynamic_grid, &HashGridShape::log2_entries>(
-          "dynamic_entries", {10, 20},
+          "dynamic_entries", {10, HashGridShape::kMostLog2Entries},
           {.unit = "log2", .costs = "memory and cache misses", .gives = "detail of dynamic content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::static_grid, &HashGridShape::levels>(
-          "static_levels", {.least = 2, .most = 16, .multiple = 2},
+          "static_levels", {.least = 2, .most = HashGridShape::kMostLevels, .multiple = 2},
           {.unit = "levels", .costs = "time of a step", .gives = "scales of static content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::dynamic_grid, &HashGridShape::levels>(
-          "dynamic_levels", {.least = 2, .most = 16, .multiple = 2},
+          "dynamic_levels", {.least = 2, .most = HashGridShape::kMostLevels, .multiple = 2},
           {.unit = "levels", .costs = "time of a step", .gives = "scales of dynamic content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::hidden>("hidden", {.least = 4, .most = 128, .multiple = 4},
                                                            {.unit = "neurons",

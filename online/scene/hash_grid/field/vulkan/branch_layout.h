@@ -10,9 +10,9 @@
 
 namespace hdrcam {
 
-constexpr std::size_t kMostLevels = 16, kLevelWords = 8;  // of the kernels' uniforms
-constexpr std::size_t kMostParameters = 4096;             // of a network, likewise
-constexpr std::size_t kViewFloats = 24;                   // of a camera
+constexpr std::size_t kMostLevels = HashGridShape::kMostLevels, kLevelWords = 8;  // of the kernels' uniforms
+constexpr std::size_t kMostParameters = 4096;                                     // of a network, likewise
+constexpr std::size_t kViewFloats = 24;                                           // of a camera
 
 // Unsupported, saying what to do, where a network is larger than the kernels' room.
 Result<void> check_fits_kernels(const Mlp<float>& mlp);
