@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstddef>
 
 #include "render/views/cubic_between_pixels.h"
@@ -44,14 +45,15 @@ void leave_out_hidden(Sights& sights) {
 // What one source shows there: its picture between its pixels, or, where the view reduces it, the mean over
 // the pixels that one of the view covers. The provenance is that of the nearest pixel.
 struct Shown {
-  float radiance[3], sigma, provenance;
+  float radiance[3], sigma;
+  std::uint8_t provenance;
 };
 
 Shown shown_by(const Sight& sight) {
   constexpr float kReduced_px = 1.25f;  // fine texture hardly aliases below it, and stays sharp
   const HdrFrame& seen = sight.key->frame;
   const CubicBetweenPixels at(seen.radiance, sight.x, sight.y);
-  const float provenance = seen.provenance.at(0, at.nearest_row(), at.nearest_col());
+  const std::uint8_t provenance = seen.provenance.at(0, at.nearest_row(), at.nearest_col());
   if (sight.side_px > kReduced_px) {
     const PixelArea area(sight.x, sight.y, sight.side_px, seen.radiance.rows(), seen.radiance.cols());
     return {{area.mean(seen.radiance, 0), area.mean(seen.radiance, 1), area.mean(seen.radiance, 2)},

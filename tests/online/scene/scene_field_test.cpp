@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "hal/sections/section_file.h"
 #include "online/scene/scene_fields.h"
@@ -120,8 +121,8 @@ Result<std::unique_ptr<FieldSnapshot>> saved_and_loaded(const SnapshotHold& held
                                   .version = 1,
                                   .mend = "save it again"};
   const std::string path = test::scratch_folder(folder) + "/field";
-  SectionWriter writer =
-      TRY(SectionWriter::create(TRY(FileInMaking::beside(posix_storage(), path)), kFormat));
+  FileInMaking making = TRY(FileInMaking::beside(posix_storage(), path));
+  SectionWriter writer = TRY(SectionWriter::create(std::move(making), kFormat));
   REQUIRE(held->save(writer).ok());
   REQUIRE(writer.finish().ok());
   auto reader = SectionReader::open(posix_storage(), path, kFormat);
