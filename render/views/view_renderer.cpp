@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 
 #include "render/views/cubic_between_pixels.h"
 #include "render/views/pixel_area.h"
