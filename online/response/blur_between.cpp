@@ -156,7 +156,7 @@ constexpr double kEnoughSeen = 0.2;  // of an area
 
 // Whether fine texture is lost that coarse texture does not lose, along an axis.
 bool loses_fine(double fine, double coarse, double fine_left, double coarse_left) {
-  constexpr double kLeft = 0.92;
+  constexpr double kLeft = 0.92;  // of the fine texture, against the coarse: more left is no loss
   return fine_left * coarse < kLeft * fine * coarse_left;
 }
 
@@ -170,8 +170,8 @@ double distance(const Texture& a, const Texture& b) {
 }
 
 bool alike(const Texture& a, const Texture& b) {
-  constexpr double kMost = 1.25;
-  const auto near = [](double p, double q) { return p < kMost * q && q < kMost * p; };
+  constexpr double kMostRatio = 1.25;
+  const auto near = [](double p, double q) { return p < kMostRatio * q && q < kMostRatio * p; };
   return near(a.fine_x, b.fine_x) && near(a.fine_y, b.fine_y) && near(a.coarse_x, b.coarse_x) &&
          near(a.coarse_y, b.coarse_y);
 }
@@ -219,13 +219,13 @@ class BlurSearch {
     return shorter;
   }
 
-  // Whether it makes the sharp picture like the longer one: also in its coarse texture, and nearly
-  // everywhere, which what only one of both has, or a blur of some objects alone, does not.
+  // Whether it makes the sharp picture like the longer one: also in its coarse texture, and in most of the
+  // picture, which what only one of both has, or a blur of some objects alone, does not.
   bool is_blur(const BlurLengths& lengths, const Image<float>& sharp) const {
-    constexpr float kLeast = 1.25f;  // pixels; less is what cameras' own processing does
-    constexpr int kTiles = 5;        // along each side
-    constexpr double kMost = 0.55;
-    if (std::max(lengths.x, lengths.y) < kLeast) return false;
+    constexpr float kLeastLength = 1.25f;  // pixels; less is what cameras' own processing does
+    constexpr int kTiles = 5;              // along each side
+    constexpr double kLeastNearer = 0.55;  // share of the tiles that are seen in all pictures
+    if (std::max(lengths.x, lengths.y) < kLeastLength) return false;
     const Image<float> picture = blurred(lengths);
     if (!alike(texture_of(picture), wanted_)) return false;
     const int rows = sharp.rows() / kTiles, cols = sharp.cols() / kTiles;
@@ -239,7 +239,7 @@ class BlurSearch {
       if (std::min({before.seen, after.seen, wanted.seen}) < kEnoughSeen) continue;
       ++seen, nearer += distance(after, wanted) < distance(before, wanted);
     }
-    return nearer >= kMost * seen;
+    return nearer >= kLeastNearer * seen;
   }
 
   Image<float> blurred(const BlurLengths& lengths) const {
