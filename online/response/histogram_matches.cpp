@@ -13,6 +13,9 @@
 namespace hdrcam {
 namespace {
 
+constexpr double kDarkShare = 0.0005;  // of the pixels
+constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
+
 // A sorted channel that gives the place of its codes in the histogram.
 class Ranking {
  public:
@@ -82,33 +85,34 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
 }  // namespace
 
 bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
-  constexpr double kMinRatio = 1.15;     // of exposures: below it a pair does not constrain the curve
-  constexpr double kDarkShare = 0.0005;  // of the pixels
-  constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
+  constexpr double kMinRatio = 1.15;  // of exposures: below it a pair does not constrain the curve
   const ExposedFrame& shorter = a.exposure <= b.exposure ? a : b;
   const ExposedFrame& longer = &shorter == &a ? b : a;
   if (longer.exposure < static_cast<float>(kMinRatio) * shorter.exposure) return false;
   if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
   if (cuts == SceneCuts::Possible && !shows_one_scene(a, b)) return false;
+  const OfPair found = match(shorter, longer);
+  if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
+  keep(found, shorter.exposure, longer.exposure);
+  return true;
+}
 
-  const bool shortest = !shortest_ || shorter.exposure < 0.9f * *shortest_;
-  if (shortest) shortest_ = shorter.exposure;
-  const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
-  const double log_ratio =
-      std::log(static_cast<double>(shorter.exposure) / static_cast<double>(longer.exposure));
+HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, const ExposedFrame& longer) {
+  const BlackBounds bounds = bounds_by(shorter.exposure);
   const BlurLengths blur = blur_between(shorter.codes, longer.codes);
   Image<float> blurred;
   std::vector<float> scratch;
-  std::array<std::vector<CodeMatch>, 3> found;
+  OfPair found;
   for (std::size_t c = 0; c < 3; ++c) {
     const int channel = static_cast<int>(c);
     if (blur.any()) blur_channel(shorter.codes, channel, blur, blurred);
     const Ranking dark(blur.any() ? blurred : shorter.codes, blur.any() ? 0 : channel, scratch),
         light(longer.codes, channel, scratch);
-    if (shorter.exposure < 1.1f * *shortest_) {
+    if (bounds != BlackBounds::Kept) {
       const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
-      darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
-      most_black_[c] = shortest ? most : std::min(most_black_[c], most);
+      const bool anew = bounds == BlackBounds::Anew;
+      darkest_[c] = anew ? darkest : std::min(darkest_[c], darkest);
+      most_black_[c] = anew ? most : std::min(most_black_[c], most);
     }
     for (int q = 1; q < kQuantiles; ++q) {
       const auto [code, share] = dark.boundary_near(static_cast<double>(q) / kQuantiles);
@@ -117,10 +121,24 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
       if (other >= code) found[c].push_back({static_cast<float>(code), static_cast<float>(other)});
     }
   }
-  if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
+  return found;
+}
+
+HistogramMatches::BlackBounds HistogramMatches::bounds_by(float exposure) {
+  constexpr float kShorter = 0.9f, kAlike = 1.1f;  // over the shortest exposure, whose reported times jitter
+  if (!shortest_ || exposure < kShorter * *shortest_) {
+    shortest_ = exposure;
+    return BlackBounds::Anew;
+  }
+  return exposure < kAlike * *shortest_ ? BlackBounds::Widened : BlackBounds::Kept;
+}
+
+void HistogramMatches::keep(const OfPair& found, float shorter, float longer) {
+  const std::pair key{ExposureCorrections::key(shorter), ExposureCorrections::key(longer)};
+  const double log_ratio = std::log(static_cast<double>(shorter) / static_cast<double>(longer));
   for (std::size_t c = 0; c < 3; ++c) {
     CodeMatches& matches = matches_[c][key];
-    if (matches.pairs == 0) matches.shorter = shorter.exposure, matches.longer = longer.exposure;
+    if (matches.pairs == 0) matches.shorter = shorter, matches.longer = longer;
     matches.log_ratio += (log_ratio - matches.log_ratio) / ++matches.pairs;
     matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
     keep_newest(matches.codes);
@@ -128,7 +146,6 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
     keep_newest(matches_[c]);
   }
   ++pairs_;
-  return true;
 }
 
 std::vector<int> HistogramMatches::exposure_keys() const {

@@ -59,6 +59,15 @@ class HistogramMatches {
   float most_black(std::size_t channel) const { return most_black_[channel]; }
 
  private:
+  using OfPair = std::array<std::vector<CodeMatch>, 3>;  // of the channels
+  // What a frame does to the bounds of the black level: the shortest exposure tells them.
+  enum class BlackBounds { Kept, Widened, Anew };
+
+  // Takes the bounds of the black level from the shorter frame, too.
+  OfPair match(const ExposedFrame& shorter, const ExposedFrame& longer);
+  BlackBounds bounds_by(float exposure);
+  void keep(const OfPair& found, float shorter, float longer);  // exposures
+
   int pairs_ = 0;
   std::optional<float> shortest_;  // exposure
   std::array<float, 3> darkest_{}, most_black_{};
