@@ -19,7 +19,6 @@ constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr int kStripe = 16;              // rows of those looked at
 constexpr int kWholeFrames = 9;          // at the beginning
 constexpr int kMostTurns = 8;
-constexpr float kMinConfidence = 0.8f;  // of the flow
 // Of the shorter exposure, as the longer one predicts it: darker ones are clipped at zero and spread too
 // little.
 constexpr float kFirstCode = clip_policy::kNoisePair.darkest;
@@ -201,7 +200,7 @@ int NoiseEstimator::compare_row(const ExposedFrame& a, const FlowField& a_to_b, 
   const int y = kMargin + row * kStride;
   int found = 0;
   for (int x = kMargin; x < a.codes.cols() - kMargin; x += kStride) {
-    if (a_to_b.confidence.at(0, y, x) < kMinConfidence) continue;
+    if (a_to_b.confidence.at(0, y, x) < kComparedConfidence) continue;
     const float left = interpolated_variance(a_to_b.vectors.at(0, y, x), a_to_b.vectors.at(1, y, x));
     for (int c = 0; c < 3; ++c) {
       const float za = a.codes.at(c, y, x), zb = warped_.at(c, y, x), mean_b = warped_mean_.at(c, y, x);

@@ -14,6 +14,9 @@ struct FlowField {
   bool empty() const { return vectors.empty(); }
 };
 
+// Of the flow, at least: what is measured by comparing pixels along it takes no others.
+inline constexpr float kComparedConfidence = 0.8f;
+
 // Flow between the state at frame i-1 and frame i; both empty at the first frame.
 struct StateMotion {
   FlowField to_previous;    // frame -> state

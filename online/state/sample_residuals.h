@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "online/pictures/flow_field.h"
 #include "online/state/exposure_tables.h"
 #include "online/state/fusion.h"
 #include "online/state/radiance_state.h"
@@ -17,10 +18,10 @@ namespace hdrcam {
 
 // Which pixels are looked at.
 struct ResidualSampling {
-  int stride_px = 2;              // the first at (1, 1), none in the last row and column
-  float least_confidence = 0.8f;  // of the motion
-  float misalignment = 0.05f;     // squared pixels per (2 pixels)^2: what a match may be off
-  float relative = 0.05f;         // of radiance: contrast that does no harm
+  int stride_px = 2;  // the first at (1, 1), none in the last row and column
+  float least_confidence = kComparedConfidence;
+  float misalignment = 0.05f;  // squared pixels per (2 pixels)^2: what a match may be off
+  float relative = 0.05f;      // of radiance: contrast that does no harm
 
   // Between lines that are looked at: some 9600 pixels of a frame of any size tell the spread of all bins.
   int line_step_px(int rows, int cols) const {

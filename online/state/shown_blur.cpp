@@ -12,7 +12,6 @@ namespace hdrcam {
 namespace {
 
 constexpr int kStride = 3;                              // pixels
-constexpr float kMinConfidence = 0.8f;                  // of the flow
 constexpr float kLeastStated = 0.15f, kMostStated = 3;  // shares of a frame that tells; stills take any time
 constexpr float kLeastBlur = 1, kMostBlur = 32;         // pixels
 constexpr float kDarkest = 12;                          // codes: below, engines blur by themselves
@@ -86,7 +85,7 @@ ShownBlur::Evidence ShownBlur::compare_line(const Seen& seen, int y) {
   Evidence evidence;
   const int rows = seen.frame.codes.rows(), cols = seen.frame.codes.cols();
   for (int x = 0; x < cols; x += kStride) {
-    if (seen.to_previous.confidence.at(0, y, x) < kMinConfidence) continue;
+    if (seen.to_previous.confidence.at(0, y, x) < kComparedConfidence) continue;
     const Offset motion = offset_at(seen.to_previous.vectors, x, y);
     const float blur = std::hypot(motion.x, motion.y) * seen.stated;
     if (!(blur >= kLeastBlur && blur <= kMostBlur)) continue;

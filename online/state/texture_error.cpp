@@ -12,7 +12,6 @@ namespace hdrcam {
 namespace {
 
 constexpr int kMargin = 2, kStride = 3;  // pixels
-constexpr float kMinConfidence = 0.8f;   // of the flow
 constexpr float kMaxBlur = 1;            // pixels: a longer way during the exposure changes textures itself
 constexpr float kMinContrast = 10;       // over the variance of noise
 constexpr std::ptrdiff_t kEnough = 300;  // comparisons
@@ -55,7 +54,7 @@ void TextureError::observe(const ExposedFrame& frame, const RadianceState& state
 std::size_t TextureError::compare_line(const Seen& seen, int y, float* shares) {
   std::size_t found = 0;
   for (int x = kMargin; x < seen.frame.codes.cols() - kMargin; x += kStride)
-    if (seen.to_previous.confidence.at(0, y, x) >= kMinConfidence)
+    if (seen.to_previous.confidence.at(0, y, x) >= kComparedConfidence)
       for (int c = 0; c < 3; ++c)
         if (const auto share = compare(seen, c, y, x)) shares[found++] = *share;
   return found;
