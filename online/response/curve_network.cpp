@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "online/response/curve_squares.h"
+
 namespace hdrcam {
 namespace {
 
@@ -64,8 +66,8 @@ void descend(const Matrix& A, const Vector& b, Eigen::Index knots, Vector& param
 }  // namespace
 
 Vector fit_curve_network(const Vector& start, const CurveEquations& equations) {
-  constexpr int kRounds = 8;      // of the robust weights
-  constexpr double kGauge = 1e2;  // a common factor is not observable: the level of the start is kept
+  constexpr int kRounds = 8;            // of the robust weights
+  constexpr double kGaugeWeight = 1e2;  // a common factor is not observable: the level of the start is kept
   const Eigen::Index knots = start.size();
   Vector parameters = starting_parameters();
   descend(Matrix::Identity(knots, knots), start, knots, parameters);
@@ -74,11 +76,11 @@ Vector fit_curve_network(const Vector& start, const CurveEquations& equations) {
   Vector b;
   for (int round = 0; round < kRounds; ++round) {
     equations(g, A, b);
-    A(knots / 2, knots / 2) += kGauge;
-    b[knots / 2] += kGauge * start[knots / 2];
+    A(knots / 2, knots / 2) += kGaugeWeight;
+    b[knots / 2] += kGaugeWeight * start[knots / 2];
     descend(A, b, knots, parameters);
     g = curve_of(parameters, knots, nullptr);
-    for (Eigen::Index z = 1; z < knots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+    make_rising(g);
   }
   return g;
 }

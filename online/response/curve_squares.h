@@ -26,6 +26,12 @@ struct Knots {
   }
 };
 
+// Raises what does not rise from code to code, which light does.
+inline void make_rising(Eigen::VectorXd& g) {
+  constexpr double kLeastRise = 1e-4;  // ln x
+  for (Eigen::Index z = 1; z < g.size(); ++z) g[z] = std::max(g[z], g[z - 1] + kLeastRise);
+}
+
 // An unknown of a linear equation, and its factor.
 struct Term {
   Eigen::Index at;

@@ -18,8 +18,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kGaugeKnot = 127;  // where g is fixed: a common factor of x is not observable
-constexpr int kIterations = 4;   // of the robust fit to matches
+constexpr int kGaugeKnot = 127;       // where g is fixed: a common factor of x is not observable
+constexpr double kGaugeWeight = 1e4;  // of that equation, 1 / (ln x)^2
+constexpr int kIterations = 4;        // of the robust fit to matches
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
@@ -29,10 +30,6 @@ void for_each_channel(WorkerPool* pool, Body&& body) {
   auto of_index = [&](int c) { body(static_cast<std::size_t>(c)); };
   if (pool != nullptr) return pool->for_each(3, of_index);
   for (int c = 0; c < 3; ++c) of_index(c);
-}
-
-void make_monotone(Vector& g) {
-  for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
 }
 
 std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
@@ -65,7 +62,7 @@ Agreement agreement(const HistogramMatches::OfChannel& matches, float black_leve
   const CurvePrior& prior = curve_prior();
   Agreement agreed(shared_unknowns::count(keys));
   agreed.A = prior.precision, agreed.b = prior.precision * prior.mean;
-  agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
+  agreed.A(kGaugeKnot, kGaugeKnot) += kGaugeWeight;
   agreed.misfit.of_matches = add_match_evidence(matches, black_level, noise, g, keys, shared, agreed);
   const Vector d = g - prior.mean;
   agreed.misfit.of_prior = d.dot(prior.precision * d);
@@ -80,7 +77,7 @@ CurveMisfit misfit_at(float black_level, const HistogramMatches::OfChannel& matc
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Agreement agreed = agreement(matches, black_level, {noise}, g, keys, as_stated);
     g = agreed.A.llt().solve(agreed.b);
-    make_monotone(g);
+    make_rising(g);
   }
   return agreement(matches, black_level, {noise}, g, keys, as_stated).misfit;
 }
@@ -150,7 +147,7 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
     for (std::size_t c = 0; c < 3; ++c) {
       Vector& g = fit.curves[c].g;
       g = alone[c] - change[c] * fit.shared;
-      make_monotone(g);
+      make_rising(g);
     }
     if (noise_shown) fit.seen = noise_model(fit.noise(), noise.code_step);
   }
@@ -190,6 +187,33 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
   return fit;
 }
 
+// The posterior deviation of ln x against the middle code, where the gauge is fixed.
+std::array<Response::Curve, 3> uncertainty_of(const Fit& fit, WorkerPool* pool) {
+  std::array<Response::Curve, 3> uncertainty;
+  for_each_channel(pool, [&](std::size_t c) {
+    const Vector variance =
+        fit.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
+    for (int z = 0; z < kKnots; ++z)
+      uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
+    uncertainty[c][0] = uncertainty[c][1];
+  });
+  return uncertainty;
+}
+
+// Exposures as stated.
+Response network_response(const HistogramMatches& matches, const BlackLevel& black, const NoiseModel& noise) {
+  const std::vector<int> keys = matches.exposure_keys();
+  const Vector as_stated = Vector::Zero(shared_unknowns::count(keys));
+  std::array<Vector, 3> g;
+  for (std::size_t c = 0; c < 3; ++c)
+    g[c] = fit_curve_network(curve_prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
+      CurveSquares squares(as_stated.size());
+      add_match_evidence(matches.of(c), black[c], {noise}, at, keys, as_stated, squares);
+      A = std::move(squares.A), b = std::move(squares.b);
+    });
+  return Response(curves_of(g));
+}
+
 ExposureCorrections corrections_of(const Vector& shared, const HistogramMatches& matches) {
   ExposureCorrections exposures;
   Eigen::Index at = shared_unknowns::kExposures;  // ascending, as the keys
@@ -207,45 +231,33 @@ ResponseEstimate ResponseEstimator::estimate_under(const Response& known, const 
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model,
                                              WorkerPool* pool) const {
-  const std::vector<int> keys = matches_.exposure_keys();
-  BlackLevel black;
-  if (stated_black_) {
-    black = *stated_black_;
-  } else {
-    std::array<float, 3> found;
-    for_each_channel(pool, [&](std::size_t c) {
-      found[c] = find_black_level(matches_.darkest(c), matches_.most_black(c),
-                                  [&](float level) { return misfit_at(level, matches_.of(c), keys, noise); });
-    });
-    for (std::size_t c = 0; c < 3; ++c) black.set(c, found[c]);
-  }
-  if (model == ResponseModel::Linear) return {Response::linear(), black, {}, {}};
-  if (model == ResponseModel::Mean) return {prior_mean_response(), black, {}, {}};
-  if (model == ResponseModel::Network) {
-    std::array<Vector, 3> g;
-    for (std::size_t c = 0; c < 3; ++c)
-      g[c] = fit_curve_network(curve_prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
-        CurveSquares squares(shared_unknowns::count(keys));
-        add_match_evidence(matches_.of(c), black[c], {noise}, at, keys, Vector::Zero(squares.d.size()),
-                           squares);
-        A = std::move(squares.A), b = std::move(squares.b);
-      });
-    return {Response(curves_of(g)), black, {}, {}};
+  const BlackLevel black = stated_black_ ? *stated_black_ : found_black(noise, pool);
+  switch (model) {
+    case ResponseModel::Linear:
+      return {Response::linear(), black, {}, {}};
+    case ResponseModel::Mean:
+      return {prior_mean_response(), black, {}, {}};
+    case ResponseModel::Network:
+      return {network_response(matches_, black, noise), black, {}, {}};
+    case ResponseModel::Curve:
+      break;
   }
   const Fit fit = solve(matches_, noise_levels_.levels(), black, noise, pool);
-  // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
-  // fixed.
-  std::array<Response::Curve, 3> uncertainty;
-  for_each_channel(pool, [&](std::size_t c) {
-    const Vector variance =
-        fit.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
-    for (int z = 0; z < kKnots; ++z)
-      uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
-    uncertainty[c][0] = uncertainty[c][1];
-  });
   const auto& [red, green, blue] = fit.curves;
-  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black,
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty_of(fit, pool)), black,
           corrections_of(fit.shared, matches_), fit.seen};
+}
+
+BlackLevel ResponseEstimator::found_black(const NoiseModel& noise, WorkerPool* pool) const {
+  const std::vector<int> keys = matches_.exposure_keys();
+  std::array<float, 3> found;
+  for_each_channel(pool, [&](std::size_t c) {
+    found[c] = find_black_level(matches_.darkest(c), matches_.most_black(c),
+                                [&](float level) { return misfit_at(level, matches_.of(c), keys, noise); });
+  });
+  BlackLevel black;
+  for (std::size_t c = 0; c < 3; ++c) black.set(c, found[c]);
+  return black;
 }
 
 Response prior_mean_response() {

@@ -73,6 +73,8 @@ class ResponseEstimator {
                                   WorkerPool* pool = nullptr) const;
 
  private:
+  BlackLevel found_black(const NoiseModel& noise, WorkerPool* pool) const;
+
   std::optional<BlackLevel> stated_black_;
   NoiseLevels noise_levels_;
   HistogramMatches matches_;
