@@ -150,10 +150,8 @@ Result<void> Device::compile(const GpuShader& shader, Kernel& kernel) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   bindings.reserve(static_cast<std::size_t>(shader.buffers));
   for (int i = 0; i < shader.buffers; ++i)
-    bindings.push_back({static_cast<std::uint32_t>(i),
-                        (kernel.uniforms >> i & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                                        : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                        1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    bindings.push_back(
+        {static_cast<std::uint32_t>(i), kernel.type_of(i), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
   set.bindingCount = static_cast<std::uint32_t>(bindings.size()), set.pBindings = bindings.data();

@@ -21,11 +21,6 @@ constexpr std::uint32_t kMostTimed = 1024;
 
 const Memory::Range& range_of(const GpuBuffer& buffer) { return static_cast<const Memory::Range&>(buffer); }
 
-VkDescriptorType type_of(const Kernel& kernel, int binding) {
-  return (kernel.uniforms >> binding & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                               : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-}
-
 std::uint32_t groups(int elements, int group) {
   return static_cast<std::uint32_t>((elements + group - 1) / group);
 }
@@ -166,7 +161,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
     writes[i].dstSet = *set;
     writes[i].dstBinding = static_cast<std::uint32_t>(i);
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = type_of(own, static_cast<int>(i));
+    writes[i].descriptorType = own.type_of(static_cast<int>(i));
     writes[i].pBufferInfo = &places[i];
   }
   vk_.UpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);

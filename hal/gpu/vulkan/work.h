@@ -19,6 +19,11 @@ struct Kernel final : GpuKernel {
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipeline pipeline = VK_NULL_HANDLE;
+
+  VkDescriptorType type_of(int binding) const {
+    return (uniforms >> binding & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                          : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  }
 };
 
 constexpr std::uint32_t kConstantBytes = 128;  // what every device offers
