@@ -81,9 +81,10 @@ void Device::forsake() {
     std::unique_ptr<Instance> instance;
     std::unique_ptr<Memory> memory;
     std::unique_ptr<Work> work;
+    Kernels kernels;
   };
   static auto* const forsaken = new std::vector<Forsaken>;
-  forsaken->push_back({std::move(instance_), std::move(memory_), std::move(work_)});
+  forsaken->push_back({std::move(instance_), std::move(memory_), std::move(work_), std::move(kernels_)});
 }
 
 Device::~Device() {
@@ -94,7 +95,7 @@ Device::~Device() {
   }
   (void)vk_.DeviceWaitIdle(device_);
   keep_cache();
-  for (const auto& [name, kernel] : kernels_) destroy(*kernel);
+  kernels_.clear();
   if (cache_ != VK_NULL_HANDLE) vk_.DestroyPipelineCache(device_, cache_, nullptr);
   work_.reset();
   memory_.reset();
@@ -129,14 +130,11 @@ Result<std::unique_ptr<GpuBuffer>> Device::buffer(std::size_t bytes) {
 Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
   if (const auto kept = kernels_.find(shader.name); kept != kernels_.end()) return kept->second.get();
   HDRCAM_CHECK(shader.buffers <= kMostKernelBuffers);
-  auto kernel = std::make_unique<Kernel>();
+  auto kernel = std::make_unique<Kernel>(vk_, device_);
   kernel->name = shader.name, kernel->buffers = shader.buffers;
   kernel->group = shader.group > 0 ? shader.group : facts_.group;
   kernel->uniforms = uniform_bindings(shader.code);
-  if (const Result<void> made = compile(shader, *kernel); !made) {
-    destroy(*kernel);
-    return made.error();
-  }
+  TRY(compile(shader, *kernel));
   return kernels_.emplace(shader.name, std::move(kernel)).first->second.get();
 }
 
@@ -178,14 +176,6 @@ Result<void> Device::compile(const GpuShader& shader, Kernel& kernel) {
     done = vk_.CreateComputePipelines(device_, cache_, 1, &pipeline, nullptr, &kernel.pipeline);
   if (done != VK_SUCCESS) return failed(done, doing);
   return {};
-}
-
-void Device::destroy(Kernel& kernel) {
-  if (kernel.pipeline != VK_NULL_HANDLE) vk_.DestroyPipeline(device_, kernel.pipeline, nullptr);
-  if (kernel.layout != VK_NULL_HANDLE) vk_.DestroyPipelineLayout(device_, kernel.layout, nullptr);
-  if (kernel.set_layout != VK_NULL_HANDLE)
-    vk_.DestroyDescriptorSetLayout(device_, kernel.set_layout, nullptr);
-  if (kernel.module != VK_NULL_HANDLE) vk_.DestroyShaderModule(device_, kernel.module, nullptr);
 }
 
 }  // namespace hdrcam::vulkan

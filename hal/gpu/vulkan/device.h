@@ -25,13 +25,14 @@ class Device final : public GpuDevice {
   DeviceFunctions& functions() { return vk_; }
 
  private:
+  using Kernels = std::map<std::string, std::unique_ptr<Kernel>>;  // by the shader's name
+
   Device(std::unique_ptr<Instance> instance, const PhysicalDevice& which)
       : instance_(std::move(instance)), facts_(which.facts), limits_(which.properties.limits) {}
   Result<void> start(const PhysicalDevice& which, const std::string& cache_folder);
   void open_cache();
   void keep_cache();
   Result<void> compile(const GpuShader& shader, Kernel& kernel);
-  void destroy(Kernel& kernel);
   void forsake();
 
   std::unique_ptr<Instance> instance_;
@@ -41,7 +42,7 @@ class Device final : public GpuDevice {
   DeviceFunctions vk_;
   std::unique_ptr<Memory> memory_;
   std::unique_ptr<Work> work_;
-  std::map<std::string, std::unique_ptr<Kernel>> kernels_;
+  Kernels kernels_;
   std::string cache_path_;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   std::size_t cached_bytes_ = 0;  // that were there at the start

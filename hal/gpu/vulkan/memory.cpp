@@ -12,11 +12,22 @@ constexpr VkDeviceSize kAlignment = 256;  // the most that Vulkan lets a device 
 }  // namespace
 
 struct Memory::Block {
+  const DeviceFunctions& vk;
+  VkDevice device;
   MemoryUse use;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkBuffer buffer = VK_NULL_HANDLE;
   std::byte* mapped = nullptr;
   std::map<VkDeviceSize, VkDeviceSize> free;  // offset, bytes
+
+  Block(const DeviceFunctions& functions, VkDevice of_device, MemoryUse used_for)
+      : vk(functions), device(of_device), use(used_for) {}
+  ~Block() {
+    if (buffer != VK_NULL_HANDLE) vk.DestroyBuffer(device, buffer, nullptr);
+    if (memory != VK_NULL_HANDLE) vk.FreeMemory(device, memory, nullptr);
+  }
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
 
   void give_back(VkDeviceSize offset, VkDeviceSize bytes) {
     auto after = free.lower_bound(offset);
@@ -41,12 +52,7 @@ Memory::Memory(const DeviceFunctions& functions, VkDevice device,
                const VkPhysicalDeviceMemoryProperties& types, VkDeviceSize largest_range)
     : vk_(functions), device_(device), types_(types), largest_range_(largest_range) {}
 
-Memory::~Memory() {
-  for (const auto& block : blocks_) {
-    vk_.DestroyBuffer(device_, block->buffer, nullptr);
-    vk_.FreeMemory(device_, block->memory, nullptr);
-  }
-}
+Memory::~Memory() = default;
 
 Result<std::unique_ptr<Memory::Range>> Memory::take(std::size_t bytes, MemoryUse use) {
   const VkDeviceSize room = (std::max<VkDeviceSize>(bytes, 1) + kAlignment - 1) / kAlignment * kAlignment;
@@ -79,8 +85,7 @@ Result<Memory::Block*> Memory::add_block(VkDeviceSize bytes, MemoryUse use) {
   if (use == MemoryUse::Compute)
     info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
   info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
-  auto block = std::make_unique<Block>();
-  block->use = use;
+  auto block = std::make_unique<Block>(vk_, device_, use);
   if (const VkResult made = vk_.CreateBuffer(device_, &info, nullptr, &block->buffer); made != VK_SUCCESS)
     return failed(made, doing);
   VkMemoryRequirements needs{};
@@ -98,11 +103,7 @@ Result<Memory::Block*> Memory::add_block(VkDeviceSize bytes, MemoryUse use) {
   if (done == VK_SUCCESS && use == MemoryUse::Staging)
     done =
         vk_.MapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, reinterpret_cast<void**>(&block->mapped));
-  if (done != VK_SUCCESS) {
-    vk_.DestroyBuffer(device_, block->buffer, nullptr);
-    vk_.FreeMemory(device_, block->memory, nullptr);
-    return failed(done, doing);
-  }
+  if (done != VK_SUCCESS) return failed(done, doing);
   block->free.emplace(0, bytes);
   blocks_.push_back(std::move(block));
   return blocks_.back().get();

@@ -27,6 +27,13 @@ std::uint32_t groups(int elements, int group) {
 
 }  // namespace
 
+Kernel::~Kernel() {
+  if (pipeline != VK_NULL_HANDLE) vk.DestroyPipeline(device, pipeline, nullptr);
+  if (layout != VK_NULL_HANDLE) vk.DestroyPipelineLayout(device, layout, nullptr);
+  if (set_layout != VK_NULL_HANDLE) vk.DestroyDescriptorSetLayout(device, set_layout, nullptr);
+  if (module != VK_NULL_HANDLE) vk.DestroyShaderModule(device, module, nullptr);
+}
+
 Work::~Work() {
   if (clock_ != VK_NULL_HANDLE) vk_.DestroyQueryPool(device_, clock_, nullptr);
   if (fence_ != VK_NULL_HANDLE) vk_.DestroyFence(device_, fence_, nullptr);

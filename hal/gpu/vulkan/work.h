@@ -10,7 +10,10 @@
 
 namespace hdrcam::vulkan {
 
+// A compiled shader and its layout; the device outlives it.
 struct Kernel final : GpuKernel {
+  const DeviceFunctions& vk;
+  VkDevice device;
   std::string name;
   int buffers = 0;
   int group = 1;               // invocations of a work group
@@ -19,6 +22,11 @@ struct Kernel final : GpuKernel {
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipeline pipeline = VK_NULL_HANDLE;
+
+  Kernel(const DeviceFunctions& functions, VkDevice of_device) : vk(functions), device(of_device) {}
+  ~Kernel() override;
+  Kernel(const Kernel&) = delete;
+  Kernel& operator=(const Kernel&) = delete;
 
   VkDescriptorType type_of(int binding) const {
     return (uniforms >> binding & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER

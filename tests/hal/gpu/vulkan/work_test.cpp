@@ -49,49 +49,47 @@ DeviceFunctions functions_of_driver() {
   return vk;
 }
 
+// Work on such a driver, and a kernel without buffers.
+struct Rig {
+  DeviceFunctions vk = functions_of_driver();
+  Memory memory{vk, VK_NULL_HANDLE, {}, 0};
+  Work work{vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0};
+  const Kernel kernel{vk, VK_NULL_HANDLE};
+
+  Result<void> done() {
+    work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
+    return work.finish();
+  }
+};
+
 TEST_CASE("after a driver had no memory to bind buffers, work takes none from a pool that was never made") {
-  const DeviceFunctions vk = functions_of_driver();
-  Memory memory(vk, VK_NULL_HANDLE, {}, 0);
-  Work work(vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0);
-  const Kernel kernel;
+  Rig rig;
   driver = {};
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_error(work.finish(), ErrorCode::NoSpace);
+  require_error(rig.done(), ErrorCode::NoSpace);
   CHECK_FALSE(driver.set_of_pool);
   driver.full = false;
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_done(work.finish());
+  require_done(rig.done());
   CHECK(driver.set_of_pool);
 }
 
 TEST_CASE("work that a driver has no memory to wait for may go on, and nothing more is handed over") {
-  DeviceFunctions vk = functions_of_driver();
-  vk.WaitForFences = [](VkDevice, std::uint32_t, const VkFence*, VkBool32, std::uint64_t) {
+  Rig rig;
+  rig.vk.WaitForFences = [](VkDevice, std::uint32_t, const VkFence*, VkBool32, std::uint64_t) {
     return VK_ERROR_OUT_OF_HOST_MEMORY;
   };
-  Memory memory(vk, VK_NULL_HANDLE, {}, 0);
-  Work work(vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0);
-  const Kernel kernel;
   driver = {.full = false};
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_error(work.finish(), ErrorCode::NoSpace);
-  CHECK_FALSE(work.answers());
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_error(work.finish(), ErrorCode::Unplugged);
+  require_error(rig.done(), ErrorCode::NoSpace);
+  CHECK_FALSE(rig.work.answers());
+  require_error(rig.done(), ErrorCode::Unplugged);
 }
 
 TEST_CASE("after a fence that could not be reset no work is taken for done that is not") {
-  DeviceFunctions vk = functions_of_driver();
-  vk.ResetFences = [](VkDevice, std::uint32_t, const VkFence*) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; };
-  Memory memory(vk, VK_NULL_HANDLE, {}, 0);
-  Work work(vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0);
-  const Kernel kernel;
+  Rig rig;
+  rig.vk.ResetFences = [](VkDevice, std::uint32_t, const VkFence*) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; };
   driver = {.full = false};
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_error(work.finish(), ErrorCode::NoSpace);
-  CHECK(work.answers());
-  work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});
-  require_error(work.finish(), ErrorCode::Unplugged);
+  require_error(rig.done(), ErrorCode::NoSpace);
+  CHECK(rig.work.answers());
+  require_error(rig.done(), ErrorCode::Unplugged);
 }
 
 }  // namespace
