@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "capture/to_exposed_frame.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -100,17 +101,13 @@ TEST_CASE("after a change of gain the noise is that of the new frames, as soon a
   int index = 0;
   const auto frame_at = [&](float gain) {
     const NoiseModel noise{.full_well = kFullWell / gain, .read_noise = kReadNoise};
-    ExposedFrame frame;
+    ExposedFrame frame = test::coded_frame(kRows, kStrips * kStripCols, [&](int c, int, int x) {
+      const float light = 0.7f * std::exp2(-0.5f * static_cast<float>(x / kStripCols));
+      const auto grain = static_cast<float>(test::MovingScene::noise(++key));
+      const float seen = light + grain * std::sqrt(noise.exposure_variance(light));
+      return std::round(response.code_of(c, std::clamp(seen, 0.f, 1.f)));
+    });
     frame.index = index++;
-    frame.codes = Image<float>(3, kRows, kStrips * kStripCols);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < frame.codes.cols(); ++x) {
-          const float light = 0.7f * std::exp2(-0.5f * static_cast<float>(x / kStripCols));
-          const auto grain = static_cast<float>(test::MovingScene::noise(++key));
-          const float seen = light + grain * std::sqrt(noise.exposure_variance(light));
-          frame.codes.at(c, y, x) = std::round(response.code_of(c, std::clamp(seen, 0.f, 1.f)));
-        }
     return frame;
   };
   NoiseEstimator estimator(pool);

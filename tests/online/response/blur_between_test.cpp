@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "online/response/response_estimator.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -30,24 +31,20 @@ double scene_at(int c, double x, int y) {
 
 // Such a frame, of which each pixel is the mean of so many, along x or along y.
 ExposedFrame recorded(float exposure, int blur, bool along_y, const Response& response, int index = 0) {
-  ExposedFrame frame;
+  ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
+    double sum = 0;
+    for (int i = 0; i < blur; ++i) {
+      const int by = i - blur / 2;
+      sum += along_y ? scene_at(c, y + by, x) : scene_at(c, x + by, y);
+    }
+    const double light = std::min(1.0, static_cast<double>(exposure) * sum / blur);
+    const double noise =
+        0.004 * std::sqrt(light) *
+        test::MovingScene::noise(static_cast<std::uint64_t>(((index * 3 + c) * kRows + y) * kCols + x + 1));
+    const auto seen = static_cast<float>(std::clamp(light + noise, 0.0, 1.0));
+    return std::round(response.code_of(c, seen));
+  });
   frame.index = index, frame.exposure = exposure;
-  frame.codes.reshape(3, kRows, kCols);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kCols; ++x) {
-        double sum = 0;
-        for (int i = 0; i < blur; ++i) {
-          const int by = i - blur / 2;
-          sum += along_y ? scene_at(c, y + by, x) : scene_at(c, x + by, y);
-        }
-        const double light = std::min(1.0, static_cast<double>(exposure) * sum / blur);
-        const double noise = 0.004 * std::sqrt(light) *
-                             test::MovingScene::noise(
-                                 static_cast<std::uint64_t>(((index * 3 + c) * kRows + y) * kCols + x + 1));
-        const auto seen = static_cast<float>(std::clamp(light + noise, 0.0, 1.0));
-        frame.codes.at(c, y, x) = std::round(response.code_of(c, seen));
-      }
   return frame;
 }
 

@@ -5,6 +5,7 @@
 
 #include "capture/demosaic.h"
 #include "online/response/response_estimator.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -25,17 +26,13 @@ double noise_at(int frame, int channel, int y, int x) {
 
 // Frames of a smooth scene over ten stops, as a sensor of that noise records them.
 ExposedFrame recorded(int index, float exposure, const Response& response) {
-  ExposedFrame frame;
+  ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
+    const double scene = std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
+    const double light = std::min(1.0, static_cast<double>(exposure) * scene);
+    const double seen = std::clamp(light + noise_at(index, c, y, x) * spread_of_light(light), 0.0, 1.0);
+    return std::round(response.code_of(c, static_cast<float>(seen)));
+  });
   frame.index = index, frame.exposure = exposure;
-  frame.codes.reshape(3, kRows, kCols);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kCols; ++x) {
-        const double scene = std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
-        const double light = std::min(1.0, static_cast<double>(exposure) * scene);
-        const double seen = std::clamp(light + noise_at(index, c, y, x) * spread_of_light(light), 0.0, 1.0);
-        frame.codes.at(c, y, x) = std::round(response.code_of(c, static_cast<float>(seen)));
-      }
   return frame;
 }
 

@@ -7,6 +7,7 @@
 #include "online/response/histogram_matches.h"
 #include "online/response/response_estimator.h"
 #include "online/response/response_learner.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -34,13 +35,19 @@ ResponseEstimate estimated(const std::vector<ExposedFrame>& frames,
 // A frame of 256x192 whose codes are code(c, y, x).
 template <class Code>
 ExposedFrame frame_of(float exposure, Code&& code) {
-  ExposedFrame frame;
+  ExposedFrame frame = test::coded_frame(192, 256, code);
   frame.exposure = exposure;
-  frame.codes.reshape(3, 192, 256);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < frame.codes.rows(); ++y)
-      for (int x = 0; x < frame.codes.cols(); ++x) frame.codes.at(c, y, x) = code(c, y, x);
   return frame;
+}
+
+// Codes of a pattern that is like no moving scene: mean +- contrast.
+Image<float> another_scene(int rows, int cols, float mean, float contrast) {
+  return test::coded_frame(rows, cols,
+                           [&](int, int y, int x) {
+                             return mean +
+                                    contrast * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
+                           })
+      .codes;
 }
 
 }  // namespace
@@ -171,11 +178,7 @@ TEST_CASE("under a known response two scenes on either side of a cut say nothing
   const test::MovingScene scene;
   const Response known = Response::gamma(scene.gamma);
   auto frames = exposed(scene, 2);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < scene.rows; ++y)
-      for (int x = 0; x < scene.cols; ++x)
-        frames[1].codes.at(c, y, x) =
-            220 + 20 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
+  frames[1].codes = another_scene(scene.rows, scene.cols, 220, 20);
   REQUIRE_FALSE(ResponseEstimator().add_pair(frames[0], frames[1]));
   ResponseLearner learner({.known = known});
   const std::array<CompactFrame, 2> seen = {CompactFrame(frames[0], 8), CompactFrame(frames[1], 8)};
@@ -251,13 +254,8 @@ TEST_CASE("pairs that say nothing are left out") {
     CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
   }
   SECTION("across a scene cut") {
-    ExposedFrame& other = frames[1];
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < scene.rows; ++y)
-        for (int x = 0; x < scene.cols; ++x)
-          other.codes.at(c, y, x) =
-              128 + 100 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
-    CHECK_FALSE(estimator.add_pair(frames[0], other));
+    frames[1].codes = another_scene(scene.rows, scene.cols, 128, 100);
+    CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
   }
   for (const float code : {0.f, 255.f}) SECTION(code > 0 ? "of white frames" : "of black frames") {
       for (ExposedFrame& frame : frames) frame.codes.fill(code);
