@@ -3,17 +3,18 @@
 
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <string>
 #include <thread>
 
 #include "firmware_host/exit_code.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/becomes_true.h"
 #include "tests/support/process.h"
 #include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
+using hdrcam::test::becomes_true;
 using hdrcam::test::started;
 using hdrcam::test::status_word;
 
@@ -27,14 +28,6 @@ bool has(pid_t process, const std::string& mask_of_status, int signal) {
 // Whether the process has a handler for the signal now, and whether one is still to be delivered (proc(5)).
 bool catches(pid_t process, int signal) { return has(process, "SigCgt:", signal); }
 bool is_pending(pid_t process, int signal) { return has(process, "ShdPnd:", signal); }
-
-bool becomes_true(const std::function<bool()>& condition) {
-  for (int i = 0; i < 1000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
 
 }  // namespace
 

@@ -11,9 +11,11 @@
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
+#include "tests/support/becomes_true.h"
 #include "tests/support/process.h"
 
 using namespace hdrcam;
+using test::becomes_true;
 using test::files_in;
 using test::frames_in;
 using test::require_success;
@@ -21,14 +23,10 @@ using test::started;
 
 namespace {
 
-// However busy the machine is.
-void wait_for_size(const std::string& path, std::uintmax_t bytes) {
-  for (int i = 0; i < 3000; ++i) {
-    std::error_code missing;
-    const std::uintmax_t size = std::filesystem::file_size(path, missing);
-    if (!missing && size >= bytes) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+bool has_size(const std::string& path, std::uintmax_t bytes) {
+  std::error_code missing;
+  const std::uintmax_t size = std::filesystem::file_size(path, missing);
+  return !missing && size >= bytes;
 }
 
 // A killed recorder must leave a recording that reads up to its last frames, every one with its own exposure.
@@ -55,7 +53,8 @@ void survives_kills(int kills) {
     std::filesystem::remove(path);
     const pid_t process =
         started({"record", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,2ms,4ms", "-o", path});
-    if (i % 3 != 0) wait_for_size(path, 64 << 10);  // others are killed as early as it comes
+    if (i % 3 != 0)  // others are killed as early as it comes
+      CHECK(becomes_true([&] { return has_size(path, 64 << 10); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(when_ms(random)));
     kill(process, SIGKILL);
     int status = 0;
@@ -99,8 +98,7 @@ TEST_CASE("^C is how a run without limits ends well; one that was to go on says 
                                    folder + "/raw.mkv"};
     if (limited) words.insert(words.end(), {"--frames", "100000"});
     const pid_t process = started(words);
-    for (int i = 0; i < 1000 && files_in(folder, ".exr") < 5; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    CHECK(becomes_true([&] { return files_in(folder, ".exr") >= 5; }));
     kill(process, SIGINT);
     int status = 0;
     REQUIRE(waitpid(process, &status, 0) == process);
@@ -108,7 +106,6 @@ TEST_CASE("^C is how a run without limits ends well; one that was to go on says 
     CHECK(WEXITSTATUS(status) == (limited ? kExitInterrupted : kExitOk));
     auto reader = value_of(open_recording(posix_storage(), folder + "/raw.mkv"));
     REQUIRE(reader->frame_count());  // the index is there: the recording was finished
-    CHECK(files_in(folder, ".exr") >= 5);
     CHECK(static_cast<std::size_t>(*reader->frame_count()) >= files_in(folder, ".exr"));
   }
 }
@@ -133,8 +130,7 @@ TEST_CASE("^C before there are frames enough for an HDR frame is no failure eith
                                    raw};
     if (limited) words.insert(words.end(), {"--frames", "100000"});
     const pid_t process = started(words);
-    for (int i = 0; i < 1000 && value_of(posix_storage().look_at(raw)).kind == FileKind::Missing; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    CHECK(becomes_true([&] { return std::filesystem::exists(raw); }));
     kill(process, SIGINT);  // one frame is there; two are the least
     int status = 0;
     REQUIRE(waitpid(process, &status, 0) == process);

@@ -12,6 +12,7 @@
 #include "firmware_host/live/live_report.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/becomes_true.h"
 
 namespace hdrcam {
 namespace {
@@ -47,21 +48,13 @@ class Running {
   // Waits until so many more frames came; false after a long time.
   bool more_frames(int count) {
     const int wanted = frames_ + count;
-    return waits_for([&] { return frames_ >= wanted; });
+    return test::becomes_true([&] { return frames_ >= wanted; });
   }
   // Waits until one of the counters has grown so much; false after a long time. Frames that were emitted may
   // have been captured long before.
   bool grows(std::uint64_t LiveCounters::*counter, std::uint64_t by) {
     const std::uint64_t wanted = source_->session().counters().*counter + by;
-    return waits_for([&] { return source_->session().counters().*counter >= wanted; });
-  }
-  template <class Condition>
-  bool waits_for(Condition&& holds) {
-    for (int i = 0; i < 6000; ++i) {
-      if (holds()) return true;
-      std::this_thread::sleep_for(milliseconds(5));
-    }
-    return false;
+    return test::becomes_true([&] { return source_->session().counters().*counter >= wanted; });
   }
   long long newest_exposure_us() const { return newest_exposure_us_; }
   double newest_gain() const { return newest_gain_; }
@@ -110,7 +103,7 @@ TEST_CASE(
   std::set<std::string> files;
   for (int take = 0; take < 2; ++take) {
     std::string file;
-    REQUIRE(run.waits_for([&] {  // until the last one is complete
+    REQUIRE(test::becomes_true([&] {  // until the last one is complete
       auto started = control.start_recording();
       if (started) file = started.value();
       return started.ok();
@@ -160,7 +153,7 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
   REQUIRE(run.more_frames(10));
   require_done(run.control().stop_recording());
   std::string take;
-  REQUIRE(run.waits_for([&] {  // until the run's own is complete
+  REQUIRE(test::becomes_true([&] {  // until the run's own is complete
     auto started = run.control().start_recording();
     if (started) take = started.value();
     return started.ok();
@@ -201,13 +194,13 @@ TEST_CASE("the cycle of a running camera changes to one of as many exposures, an
   Running run(settings_of("unused"));
   REQUIRE(run.more_frames(10));
   require_done(run.control().change_cycle("2ms,8ms", ""));
-  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
-  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 2000) < 100; }));
+  CHECK(test::becomes_true([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+  CHECK(test::becomes_true([&] { return std::abs(run.newest_exposure_us() - 2000) < 100; }));
   require_error(run.control().change_cycle("1ms,4ms,16ms", ""), ErrorCode::Invalid);
   require_error(run.control().change_cycle("fast", ""), ErrorCode::Invalid);
   REQUIRE_FALSE(run.control().change_cycle("2ms,1s", "").ok());
   REQUIRE(run.more_frames(10));
-  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+  CHECK(test::becomes_true([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
 }
 
 TEST_CASE("a cycle that is changed without a gain keeps the one that it has") {
@@ -218,7 +211,7 @@ TEST_CASE("a cycle that is changed without a gain keeps the one that it has") {
   const auto follows = [&](const char* shutter, const char* gain, long long exposure_us, double expected) {
     INFO(shutter << " " << gain);
     require_done(run.control().change_cycle(shutter, gain));
-    CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - exposure_us) < 100; }));
+    CHECK(test::becomes_true([&] { return std::abs(run.newest_exposure_us() - exposure_us) < 100; }));
     CHECK(run.newest_gain() == Approx(expected));
   };
   follows("1ms,6ms", "", 6000, 2);
@@ -248,7 +241,7 @@ TEST_CASE("exposures that the fit asks for are those of later frames, and counte
   CHECK(limits->longest < milliseconds(10));
   CHECK(limits->greatest_gain > 1);
   require_done(run.source().follow({{milliseconds(2), 1}, {milliseconds(6), 1}}));
-  REQUIRE(run.waits_for([&] { return run.newest_exposure_us() == 6000; }));
+  REQUIRE(test::becomes_true([&] { return run.newest_exposure_us() == 6000; }));
   require_error(run.source().follow({{milliseconds(2), 1}, {std::chrono::seconds(1), 1}}),
                 ErrorCode::BadExposure);
   REQUIRE(run.more_frames(10));

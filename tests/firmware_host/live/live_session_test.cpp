@@ -12,6 +12,8 @@
 
 #include "hal/fault/faulty_storage.h"
 #include "hal/sim/sim_bench.h"
+#include "tests/support/becomes_true.h"
+
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
@@ -36,7 +38,7 @@ class Stand {
   std::unique_ptr<RecordingWriter> record(Storage& storage) {
     return value_of(create_recording(storage, path_, capture_->facts()));
   }
-  // Sequence numbers of what was recorded.
+  // The facts of what was recorded.
   std::vector<FrameFacts> recorded() const {
     auto reader = value_of(open_recording(posix_storage(), path_));
     std::vector<FrameFacts> frames;
@@ -124,10 +126,8 @@ TEST_CASE("a run says that no further frame is captured while its fit still has 
   LiveSession session(stand.capture(), nullptr, {.frames = 5});
   CHECK_FALSE(session.counters().ended);
   require_done(session.start(kNeverStops));
-  for (int looks = 0; looks < 10'000 && !session.counters().ended; ++looks)
-    std::this_thread::sleep_for(milliseconds(1));
+  REQUIRE(test::becomes_true([&] { return session.counters().ended; }));
   const LiveCounters now = session.counters();
-  CHECK(now.ended);
   CHECK(now.captured() == 5);
   CHECK(now.waiting() > 0);
 }
@@ -269,19 +269,17 @@ TEST_CASE("the ledger of a recording adds up when the disk fills: what was not w
 }
 
 TEST_CASE("a recording that failed while it was completed keeps its error, and no new one hides it") {
-  constexpr int kPatience = 2000;  // looks, a millisecond or more apart
-  const auto pause = [] { std::this_thread::sleep_for(milliseconds(1)); };
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
   LiveSession session(stand.capture(), stand.record(storage), {.work = LiveWork::RecordOnly});
   require_done(session.start(kNeverStops));
   CHECK_FALSE(session.next({}));  // until the recorder has failed
   require_done(session.stop_recording());
-  Result<void> allowed = session.may_record();
-  for (int i = 0; i < kPatience && !allowed && allowed.error().code == ErrorCode::Busy; ++i) {
-    pause();
+  Result<void> allowed;
+  REQUIRE(test::becomes_true([&] {
     allowed = session.may_record();
-  }
+    return allowed || allowed.error().code != ErrorCode::Busy;
+  }));
   require_error(allowed, ErrorCode::NoSpace);
   stand.remove_recording();
   require_error(session.start_recording(stand.record(posix_storage())), ErrorCode::NoSpace);
@@ -292,14 +290,10 @@ TEST_CASE("a recording that was stopped is let go of while the run goes on") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {});
   require_done(session.start(kNeverStops));
-  const auto wait_for = [](const auto& condition) {
-    for (int looks = 0; looks < 10'000 && !condition(); ++looks) std::this_thread::sleep_for(milliseconds(1));
-  };
-  wait_for([&] { return session.counters().recorded > 0; });
+  REQUIRE(test::becomes_true([&] { return session.counters().recorded > 0; }));
   require_error(value_of(posix_storage().open(stand.path()))->hold(), ErrorCode::Busy);
   require_done(session.stop_recording());
-  wait_for([&] { return session.may_record().ok(); });
-  require_done(session.may_record());
+  REQUIRE(test::becomes_true([&] { return session.may_record().ok(); }));
   require_done(value_of(posix_storage().open(stand.path()))->hold());
 }
 

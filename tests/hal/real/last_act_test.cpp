@@ -7,14 +7,13 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <thread>
+
+#include "tests/support/becomes_true.h"
 
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
 namespace {
-
-using std::chrono::milliseconds;
 
 class Mark {
  public:
@@ -23,8 +22,7 @@ class Mark {
   void leave() const { std::ofstream(path_) << "done"; }
   bool is_left() const { return std::filesystem::exists(path_); }
   bool appears() const {
-    for (int i = 0; i < 4000 && !is_left(); ++i) std::this_thread::sleep_for(milliseconds(5));
-    return is_left();
+    return test::becomes_true([this] { return is_left(); });
   }
 
  private:
