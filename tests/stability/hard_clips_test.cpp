@@ -100,15 +100,15 @@ void check_error_below(double stops, const std::vector<Emitted>& frames, const t
 
 }  // namespace
 
-TEST_CASE("all black", "[stability]") {
+TEST_CASE("of black pictures the radiance is next to nothing, and no bound is claimed", "[stability]") {
   const auto frames = emitted({}, 9, [](RawFrame& raw, int) { return raw.codes.fill(0), true; });
   for (const Emitted& frame : frames) {
-    for (const float l : frame.radiance.samples()) REQUIRE(l < 2e-3f * frame.white);
+    for (const float l : frame.radiance.samples()) REQUIRE(l < 5e-4f * frame.white);
     CHECK(frame.share(Provenance::Bound) == 0);
   }
 }
 
-TEST_CASE("all saturated: at least as bright as the shortest exposure can say", "[stability]") {
+TEST_CASE("white pictures are at least as bright as the shortest exposure can say", "[stability]") {
   const auto frames = emitted({}, 9, [](RawFrame& raw, int) { return raw.codes.fill(255), true; });
   for (const Emitted& frame : frames) {
     CHECK(frame.white == Approx(4));
@@ -132,7 +132,7 @@ TEST_CASE("a constant radiance, on a linear camera, is that radiance in every fr
       REQUIRE(l == Approx(kExposureCode * 0.004 / 255).epsilon(0.01));
 }
 
-TEST_CASE("one code whatever the exposure: flat pictures", "[stability]") {
+TEST_CASE("pictures of one code, whatever the exposure, stay flat", "[stability]") {
   const auto frames = emitted({}, 9, [](RawFrame& raw, int) { return raw.codes.fill(100), true; });
   for (const Emitted& frame : frames)
     for (int c = 0; c < 3; ++c)
@@ -140,23 +140,23 @@ TEST_CASE("one code whatever the exposure: flat pictures", "[stability]") {
         REQUIRE(frame.radiance.plane(c)[p] == Approx(frame.radiance.plane(c)[0]).epsilon(0.01));
 }
 
-TEST_CASE("one exposure only", "[stability]") {
+TEST_CASE("a scene of which there is one exposure alone is right within half a stop", "[stability]") {
   test::MovingScene scene;
   scene.exposures_s = {0.004};
   check_error_below(0.45, emitted(scene, 9), scene);
 }
 
-TEST_CASE("steps of ten stops", "[stability]") {
+TEST_CASE("a scene that is seen in steps of ten stops is right within a third of a stop", "[stability]") {
   test::MovingScene scene;
   scene.exposures_s = {0.00002, 0.02048};
-  check_error_below(0.5, emitted(scene, 10), scene);
+  check_error_below(0.33, emitted(scene, 10), scene);
 }
 
-TEST_CASE("a new exposure in every frame", "[stability]") {
+TEST_CASE("a scene of which each frame has a new exposure is right within a sixth of a stop", "[stability]") {
   test::MovingScene scene;
   scene.exposures_s.clear();
   for (int i = 0; i < 40; ++i) scene.exposures_s.push_back(0.001 * std::exp2(4 * std::sin(i * 1.7)));
-  check_error_below(0.5, emitted(scene, 40), scene);
+  check_error_below(0.16, emitted(scene, 40), scene);
 }
 
 TEST_CASE("one moving pixel stays one moving pixel", "[stability]") {
@@ -178,30 +178,32 @@ TEST_CASE("one moving pixel stays one moving pixel", "[stability]") {
   });
   for (const Emitted& frame : frames) {
     INFO("frame " << frame.index);
-    CHECK(frame.radiance.at(1, 5, 5) == Approx(kBackground).epsilon(0.1));
+    CHECK(frame.radiance.at(1, 5, 5) == Approx(kBackground).epsilon(0.03));
     const bool unclipped = frame.index % 3 == 0;  // only the shortest exposure sees the pixel as it is
-    if (unclipped) CHECK(frame.radiance.at(1, 24, 3 + 5 * frame.index) > 4 * kBackground);
+    if (unclipped) CHECK(frame.radiance.at(1, 24, 3 + 5 * frame.index) > 0.4 * kPixel);
     if (frame.index > 1)
-      CHECK(frame.radiance.at(1, 24, 3 + 5 * (frame.index - 2)) < 4 * kBackground);  // no ghost
+      CHECK(frame.radiance.at(1, 24, 3 + 5 * (frame.index - 2)) < 1.5 * kBackground);  // no ghost
   }
 }
 
-TEST_CASE("half of the frames are missing", "[stability]") {
+TEST_CASE("a scene of which half of the frames are missing is right within a tenth of a stop",
+          "[stability]") {
   const test::MovingScene scene;
   check_error_below(
-      0.15,
+      0.1,
       emitted(scene, 24,
               [](RawFrame&, int i) { return (static_cast<unsigned>(i) * 2654435761u >> 16 & 1) == 0; }),
       scene);
 }
 
-TEST_CASE("timestamps that stand still or run backwards", "[stability]") {
+TEST_CASE("timestamps that stand still or run backwards leave a scene right within a sixth of a stop",
+          "[stability]") {
   const test::MovingScene scene;
   const auto frames = emitted(scene, 9, [](RawFrame& raw, int i) {
     raw.facts.timestamp = Instant::from_seconds(i % 3 == 0 ? 1.0 : 0.5);
     return true;
   });
-  check_error_below(0.25, frames, scene);
+  check_error_below(0.16, frames, scene);
 }
 
 TEST_CASE("a scene cut in every third frame leaves no ghost of the scene before", "[stability]") {
@@ -220,11 +222,12 @@ TEST_CASE("a scene cut in every third frame leaves no ghost of the scene before"
     if (upside_down(frame.index))
       std::reverse(upright.radiance.plane(1), upright.radiance.plane(1) + upright.radiance.plane_size());
     INFO("frame " << frame.index);
-    CHECK(log_error(upright, scene) < 0.5);
+    CHECK(log_error(upright, scene) < 0.4);
   }
 }
 
-TEST_CASE("exposures that are wrong by one frame", "[stability]") {
+TEST_CASE("exposures that are wrong by one frame leave the radiance in the range of the codes",
+          "[stability]") {
   const test::MovingScene scene;
   const auto frames = emitted(scene, 12, [&](RawFrame& raw, int i) {
     raw.facts.exposure_s = scene.exposures_s[static_cast<std::size_t>(i + 1) % 3];
@@ -232,10 +235,10 @@ TEST_CASE("exposures that are wrong by one frame", "[stability]") {
   });
   // nothing can be right then, but nothing may leave the range of what a code could mean
   for (const Emitted& frame : frames)
-    for (const float l : frame.radiance.samples()) REQUIRE(l <= 16 * frame.white);
+    for (const float l : frame.radiance.samples()) REQUIRE(l <= 4 * frame.white);
 }
 
-TEST_CASE("pictures of a few pixels", "[stability]") {
+TEST_CASE("pictures of a few pixels are emitted, and not black", "[stability]") {
   for (const auto& [rows, cols] : {std::pair{1, 1}, {1, 9}, {3, 2}, {7, 8}, {17, 16}}) {
     test::MovingScene scene;
     scene.rows = rows, scene.cols = cols;

@@ -64,6 +64,7 @@ TEST_CASE("a field of zero steps renders the state's picture and the state's mot
   // on the square, away from its border, the dynamic part moves as the prior says
   REQUIRE(run.scene.on_square(4, 14, 14));
   const float share = view.dynamic_share.at(0, 14, 14);
+  REQUIRE(share > 0.8f);
   CHECK(view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * share).margin(0.3));
 }
 
@@ -139,15 +140,17 @@ TEST_CASE("a field of blocks renders the state's means, and motion in pixels of 
         REQUIRE(view.radiance.at(c, y, x) == Approx(mean).epsilon(0.01));
       }
   // on the square, away from its border
-  CHECK(view.flow[1].at(0, 7, 7) ==
-        Approx(-run.scene.speed_px / 2 * view.dynamic_share.at(0, 7, 7)).margin(0.15));
+  const float share = view.dynamic_share.at(0, 7, 7);
+  REQUIRE(share > 0.7f);
+  CHECK(view.flow[1].at(0, 7, 7) == Approx(-run.scene.speed_px / 2 * share).margin(0.15));
   SceneView whole;
   whole.time_s = run.last_time_s;
   whole.rows = run.scene.rows, whole.cols = run.scene.cols;
   whole.lens = {1.0 * whole.cols, 1.0 * whole.cols, 0.5 * whole.cols, 0.5 * whole.rows};
   run.renderer.render(run.fit.field(), whole, run.pool, run.view);
-  CHECK(run.view.flow[1].at(0, 14, 14) ==
-        Approx(-run.scene.speed_px * run.view.dynamic_share.at(0, 14, 14)).margin(0.3));
+  const float whole_share = run.view.dynamic_share.at(0, 14, 14);
+  REQUIRE(whole_share > 0.7f);
+  CHECK(run.view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * whole_share).margin(0.3));
   CHECK(run.view.radiance.at(1, 14, 16) == Approx(run.scene.radiance.at(1, 14, 16)).epsilon(0.01));
 }
 
