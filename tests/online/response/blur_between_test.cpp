@@ -60,8 +60,8 @@ TEST_CASE("how much more a motion blurs the longer exposure is found, along the 
       const ExposedFrame longer = recorded(2, length, along_y, Response::gamma(1.8f));
       const BlurLengths found = blur_between(sharp(0.5f, along_y).codes, longer.codes);
       INFO(length << " pixels along " << (along_y ? "y: " : "x: ") << found.x << " x " << found.y);
-      CHECK((along_y ? found.y : found.x) == Approx(length).epsilon(0.25));
-      CHECK((along_y ? found.x : found.y) < 1.4f);
+      CHECK((along_y ? found.y : found.x) == Approx(length).epsilon(0.1));
+      CHECK((along_y ? found.x : found.y) < 1.1f);
     }
 }
 
