@@ -11,6 +11,7 @@ namespace hdrcam {
 namespace {
 
 constexpr double kStop = std::numbers::ln2;
+constexpr double kRounding = 1.001;  // of a factor: half stops up and down again do not end where they began
 
 }  // namespace
 
@@ -96,29 +97,33 @@ bool CycleChoice::improve(double stops) {
 
 // The exposure that the camera can do; none where it would be the one there is, or would begin to flicker.
 std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, double gain) const {
-  constexpr double kSlack = 1.001;
-  Exposure exposure{from_seconds(time_s), gain};
-  if (const Duration half = half_period(limits_.mains); half > Duration(0)) {
-    const bool steady = lasts(limits_.cycle[slot].time, half);
-    const auto wanted = std::max<Duration::rep>(1, (exposure.time + half / 2) / half);
-    if (steady) exposure.time = std::min(wanted, std::max<Duration::rep>(1, limits_.longest / half)) * half;
-    if (!steady && exposure.time >= half) return std::nullopt;
-  }
-  if (exposure.time > limits_.longest &&
-      to_seconds(exposure.time) < std::sqrt(2.0) * kSlack * to_seconds(limits_.longest))
-    exposure.time = limits_.longest;
-  if (exposure.time < limits_.shortest || exposure.time > limits_.longest) return std::nullopt;
-  if (exposure.gain < limits_.least_gain / kSlack || exposure.gain > limits_.greatest_gain * kSlack)
-    return std::nullopt;
-  exposure.gain = std::clamp(exposure.gain, limits_.least_gain, limits_.greatest_gain);
-  if (exposure.gain < limits_.least_gain * kSlack)
-    exposure.gain = limits_.least_gain;  // half stops up and down again do not end where they began
+  const auto fitting_time = fitted_time(slot, from_seconds(time_s));
+  if (!fitting_time) return std::nullopt;
+  if (gain < limits_.least_gain / kRounding || gain > limits_.greatest_gain * kRounding) return std::nullopt;
+  Exposure exposure{*fitting_time, std::clamp(gain, limits_.least_gain, limits_.greatest_gain)};
+  if (exposure.gain < limits_.least_gain * kRounding) exposure.gain = limits_.least_gain;
   if (exposure == better_[slot]) return std::nullopt;
   return exposure;
 }
 
+// Under lamps whole half periods of the mains stay such, and less than one stays less. What is at most half a
+// stop too long is as long as it may be.
+std::optional<Duration> CycleChoice::fitted_time(std::size_t slot, Duration time) const {
+  constexpr double kHalfStop = std::numbers::sqrt2;
+  if (const Duration half = half_period(limits_.mains); half > Duration(0)) {
+    const bool steady = lasts(limits_.cycle[slot].time, half);
+    const auto wanted = std::max<Duration::rep>(1, (time + half / 2) / half);
+    if (steady) time = std::min(wanted, std::max<Duration::rep>(1, limits_.longest / half)) * half;
+    if (!steady && time >= half) return std::nullopt;
+  }
+  if (time > limits_.longest && to_seconds(time) < kHalfStop * kRounding * to_seconds(limits_.longest))
+    time = limits_.longest;
+  if (time < limits_.shortest || time > limits_.longest) return std::nullopt;
+  return time;
+}
+
 bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const {
-  constexpr double kSlack = 0.01;
+  constexpr double kSlack = 0.01;  // of ln E
   const auto log_of = [&](std::size_t k) {
     return log_product(order_[k] == slot ? exposure : better_[order_[k]]);
   };

@@ -49,6 +49,7 @@ class CycleChoice {
   void begin(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
   bool improve(double stops);
   std::optional<Exposure> fitted(std::size_t slot, double time_s, double gain) const;
+  std::optional<Duration> fitted_time(std::size_t slot, Duration time) const;
   bool keeps_order(std::size_t slot, const Exposure& exposure) const;
   std::optional<CycleRequest> conclude();
 
