@@ -12,8 +12,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kNoSample = 1e9f;  // variance of a clipped sample
-constexpr StateOptions kState;     // what the state does with its samples
+constexpr float kNoSample = 1e9f;      // variance of a clipped sample
+constexpr float kLeastWeight = 0.01f;  // of a sample that fades towards clipping: below it counts as clipped
+constexpr StateOptions kState;         // what the state does with its samples
 
 }  // namespace
 
@@ -22,8 +23,9 @@ void ExposureForecast::look(const ScenePixels& pixels, const Sensor& sensor, dou
   pixels_ = &pixels;
   noise_ = sensor.noise;
   reference_exposure_ = reference_exposure, reference_gain_ = sensor.reference_gain;
+  constexpr float kNoShotNoise = 1e9f;  // electrons
   NoiseModel coded = sensor.noise;
-  coded.full_well = 1e9f, coded.read_noise = 0;
+  coded.full_well = kNoShotNoise, coded.read_noise = 0;
   if (tables_)
     tables_->rebuild(sensor.response, coded);
   else
@@ -54,14 +56,14 @@ void ExposureForecast::sample_variances(const Exposure& exposure, Blur blur, Val
     const float own = (tables_->variance(c, x) + noise.exposure_variance(x)) / (relative * relative);
     const float smear = longer[i] + (shorter[i] - longer[i]) * between;
     const float doubt = kState.fusion.relative_noise * radiance[i];
-    variances[i] = weight > 0.01f ? (own + doubt * doubt + counted * smear) / weight : kNoSample;
+    variances[i] = weight > kLeastWeight ? (own + doubt * doubt + counted * smear) / weight : kNoSample;
   }
 }
 
 double ExposureForecast::error(std::span<const Values* const> slots) const {
   constexpr int kRounds = 3;        // of the cycle; the last one counts
   constexpr float kUnknown = 0.5f;  // of radiance: error of a pixel of which nothing is known
-  constexpr float kLeastKept = 0.01f;
+  constexpr float kLeastKept = 0.01f, kLeastVariance = 1e-12f;  // they keep quotients finite
   const float growth = 1 + kState.variance_growth,
               relative2 = kState.relative_growth * kState.relative_growth;
   const std::size_t count = slots.size();
@@ -75,7 +77,7 @@ double ExposureForecast::error(std::span<const Values* const> slots) const {
       const Values &now = *slots[s], &next = *slots[(s + 1) % count];
       const float counts = round == kRounds - 1 ? 1 : 0;
       for (std::size_t i = 0; i < carried.size(); ++i) {
-        const float most = kUnknown * radiance[i] * kUnknown * radiance[i] + 1e-12f;
+        const float most = kUnknown * radiance[i] * kUnknown * radiance[i] + kLeastVariance;
         const float drift = relative2 * radiance[i] * radiance[i] + misalignment[i];
         const float predicted = std::min(most, (carried[i] * growth + drift) / std::max(kLeastKept, kept[i]));
         const float updated = predicted * now[i] / (predicted + now[i]);

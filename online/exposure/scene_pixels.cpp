@@ -12,6 +12,11 @@ namespace {
 constexpr int kColumns = 16, kRows = 12;  // cells of the picture, one pixel each
 static_assert(kColumns * kRows * ScenePixels::kFrames == ScenePixels::kPixels);
 
+// Places along the sides of a cell are those of the R2 sequence (M. Roberts 2018): 1/g and 1/g^2 with
+// g^3 = g + 1. kInverseGolden is the same along one line: 1/g with g^2 = g + 1.
+constexpr double kInversePlastic = 0.7548776662, kInversePlastic2 = 0.5698402910;
+constexpr double kInverseGolden = 0.6180339887;
+
 // The fractional part of n times an irrational number: evenly spread, without a period.
 float spread(std::uint64_t n, double step) {
   const double v = static_cast<double>(n) * step;
@@ -56,6 +61,22 @@ float slip(const Image<float>& radiance, int c, int y, int x, Offset change, flo
   return std::max(0.f, (on * on + back * back) / 4 - noise);  // each motion has half of the change
 }
 
+// What the radiance of a pixel changes by if it is exposed for this fraction of its motion to the frame
+// before, squared. variance: of the radiance; means over several pixels have less of it.
+float squared_blur_of(const Image<float>& radiance, int c, int y, int x, Offset motion, float fraction,
+                      float variance) {
+  constexpr int kLeastTaps = 3, kMostTaps = 9;
+  const float span = std::sqrt(motion.x * motion.x + motion.y * motion.y) * fraction;
+  const int taps = std::clamp(static_cast<int>(std::ceil(span)) + 1, kLeastTaps, kMostTaps);
+  float sum = 0;
+  for (int t = 0; t < taps; ++t) {
+    const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
+    sum += BetweenPixels(radiance.rows(), radiance.cols(), x, y, instant * motion).of(radiance, c);
+  }
+  const float blur = sum / static_cast<float>(taps) - radiance.at(c, y, x);
+  return std::max(0.f, blur * blur - std::min(1.f, span) * variance);
+}
+
 }  // namespace
 
 void ScenePixels::see(const FrameEstimate& estimate) {
@@ -67,7 +88,7 @@ void ScenePixels::see(const FrameEstimate& estimate) {
   interval_s_ = frame.interval_s;
   const float pace =
       estimate.to_next != nullptr ? pace_of(estimate.to_previous->vectors, *estimate.to_next) : 1;
-  const float down = spread(frames_, 0.7548776662), across = spread(frames_, 0.5698402910);
+  const float down = spread(frames_, kInversePlastic), across = spread(frames_, kInversePlastic2);
   const auto first = static_cast<std::size_t>(frames_ % kFrames) * kColumns * kRows;
   for (int j = 0; j < kRows; ++j)
     for (int i = 0; i < kColumns; ++i) {
@@ -86,7 +107,6 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
   // Slips count so much: motion that is wrong alike in both steps does not change, and its surroundings slip
   // with it. With this weight cycles differ in the forecast as their pictures do (docs/decisions/camera.md).
   constexpr float kSlips = 32;
-  constexpr int kMostTaps = 9;
   const Image<float>& radiance = estimate.state.radiance;
   const int c = channel(static_cast<int>(to));
   const float here = radiance.at(c, y, x), variance = estimate.state.variance.at(c, y, x);
@@ -94,7 +114,7 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
   const float length = std::sqrt(motion.x * motion.x + motion.y * motion.y);
   const bool known = variance <= estimate.unseen_variance;
   radiance_[to] =
-      known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, 0.6180339887));
+      known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, kInverseGolden));
   kept_[to] = std::clamp(estimate.to_previous->confidence.at(0, y, x), 0.f, 1.f);
   // what looks like contrast is noise of the state, too
   const float contrast = known ? std::max(0.f, contrast_3x3(radiance, c, y, x) - variance) : 0;
@@ -104,18 +124,9 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
     const Offset change{next.x + pace * motion.x, next.y + pace * motion.y};
     misalignment_[to] += kSlips * slip(radiance, c, y, x, change, variance);
   }
-  for (int k = 0; k < kLengths; ++k) {
-    const float fraction = std::ldexp(1.f, -k), span = length * fraction;
-    const int taps = std::clamp(static_cast<int>(std::ceil(span)) + 1, 3, kMostTaps);
-    float sum = 0;
-    for (int t = 0; t < taps; ++t) {
-      const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
-      sum += BetweenPixels(radiance.rows(), radiance.cols(), x, y, instant * motion).of(radiance, c);
-    }
-    const float blur = sum / static_cast<float>(taps) - here;
+  for (int k = 0; k < kLengths; ++k)
     squared_blur_[static_cast<std::size_t>(k)][to] =
-        known ? std::max(0.f, blur * blur - std::min(1.f, span) * variance) : 0;
-  }
+        known ? squared_blur_of(radiance, c, y, x, motion, std::ldexp(1.f, -k), variance) : 0;
 }
 
 }  // namespace hdrcam
