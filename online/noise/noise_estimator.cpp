@@ -23,6 +23,7 @@ constexpr int kMostTurns = 8;
 // little.
 constexpr float kFirstCode = clip_policy::kNoisePair.darkest;
 constexpr float kLastCode = clip_policy::kNoisePair.brightest;
+constexpr float kDarkest = 1e-4f;   // exposure: what is darker counts to the same bin
 constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 
 float range_5x5(const Image<float>& image, int channel, int y, int x) {
@@ -209,7 +210,7 @@ int NoiseEstimator::compare_row(const ExposedFrame& a, const FlowField& a_to_b, 
       const float exposure = response.exposure_of(c, mean_b) * ratio;  // of a, as b predicts it
       const float expected = response.code_of(c, exposure);
       if (expected < kFirstCode || expected > kLastCode) continue;
-      const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(1e-4f, exposure))));
+      const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(kDarkest, exposure))));
       const auto keep = [&](Compared plane, float value) { compared_.at(plane, row, found) = value; };
       keep(kBin, static_cast<float>(std::clamp(half_stops, 0, kBrightnesses - 1)));
       keep(kDifference, response.exposure_of(c, za) - response.exposure_of(c, zb) * ratio);

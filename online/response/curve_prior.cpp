@@ -14,7 +14,8 @@ CurvePrior made() {
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
   constexpr double kFreeSigma = 0.06;   // ln x
-  constexpr double kFreeWidth = 0.5;    // in ln z
+  constexpr double kFreeWidth = 0.5;    // in ln (z + kToe)
+  constexpr double kToe = 5;            // codes: near black neighbours bend together
   constexpr double kCodeSigma = 0.004;  // ln x
   CurvePrior prior{Vector::Zero(kKnots), {}};
   Matrix covariance = Matrix::Zero(kKnots, kKnots);
@@ -26,7 +27,7 @@ CurvePrior made() {
   }
   for (int i = 0; i < kKnots; ++i) {
     for (int j = 0; j < kKnots; ++j) {
-      const double d = (std::log(i + 6.0) - std::log(j + 6.0)) / kFreeWidth;
+      const double d = (std::log(i + 1 + kToe) - std::log(j + 1 + kToe)) / kFreeWidth;
       covariance(i, j) += kFreeSigma * kFreeSigma * std::exp(-d * d / 2);
     }
     covariance(i, i) += kCodeSigma * kCodeSigma;

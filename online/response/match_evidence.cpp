@@ -13,15 +13,17 @@ namespace hdrcam {
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
                           const MatchNoise& noise, const Eigen::VectorXd& g, const std::vector<int>& keys,
                           const Eigen::VectorXd& shared, CurveSquares& squares) {
+  constexpr int kFullKnot = 250;  // code 251: its light is 1 for the noise
   // ln x: motion between the frames moves the quantiles, and so does compression
-  const double match_sigma = noise.is_own ? 0.03 : 0.06;
+  constexpr double kSigmaOfOwnNoise = 0.03, kSigma = 0.06;
+  const double match_sigma = noise.is_own ? kSigmaOfOwnNoise : kSigma;
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
   constexpr double kWidened = 2;               // how far noise that widens a histogram moves its quantiles
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
   const float stretch = kMaxCode / (kMaxCode - black_level);
-  const double top = g[250];
+  const double top = g[kFullKnot];
   const auto variance = [&](const Knots& k) {
     const double slope = k.slope(g), x = std::exp(k.of(g) - top);
     const double relative =

@@ -19,7 +19,7 @@ Eigen::Index place_of(int key, const std::vector<int>& keys) {
 // Nominal times are within a sixth of a stop of the true ones, mostly within a twentieth.
 Eigen::MatrixXd prior_precision(const std::vector<int>& keys, Curves curves) {
   constexpr double kSigma = 0.04 * 0.69314718056;  // ln, of .04 stop
-  constexpr double kUnbent = 1e6;
+  constexpr double kUnbent = 1e6;  // of the direction that bends all to a power: as good as fixed
   const auto n = static_cast<Eigen::Index>(keys.size());
   Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(kExposures + n, kExposures + n) / (kSigma * kSigma);
   precision(kFullWell, kFullWell) = std::pow(SensorNoise::kFullWellSigma, -2);
