@@ -114,7 +114,8 @@ TEST_CASE(
   CHECK(counters.shed >= 200);  // frames wait until there are 200 of them, a second's
   CHECK(counters.pool_full == 0);
   CHECK(slots.size() == 2);
-  CHECK(oldest < milliseconds(1500));  // with a queue that only grows, four seconds
+  CHECK(oldest <
+        milliseconds(2500));  // a second's, on a busy machine more; with a queue that only grows, four
   CHECK(counters.longest_latency == oldest);
   const auto frames = stand.recorded();
   CHECK(frames.size() == 800);
