@@ -7,6 +7,7 @@ namespace hdrcam {
 Result<void> TriggerLink::start(const ExposureSchedule& schedule) {
   if (trigger_ == nullptr) return {};
   ledger_.start(trigger_->options());
+  frames_since_failure_ = 0;
   return trigger_->start(schedule);
 }
 

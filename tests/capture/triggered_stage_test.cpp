@@ -220,6 +220,24 @@ TEST_CASE("a line that goes away ends the run though the sensor goes on by itsel
   CHECK(taken < 20);
 }
 
+TEST_CASE("a run after one whose line went away counts the frames before its own failure anew", "[capture]") {
+  Rig rig(TriggerMode::FrameStart, {{0, TriggerFaultKind::Unplug}});
+  SimulatedCamera camera(value_of(simulation_of("still?size=32x24")), SimTime(rig.clock), 1);  // on no wire
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kCycle, Mains::Off, {.trigger = &rig.trigger}));
+  CapturedFrame frame;
+  const auto frames_of_run = [&] {
+    require_done(stage->start());
+    CHECK_FALSE(rig.trigger.drive_next());
+    int frames = 0;
+    while (frames < 40 && stage->next(frame)) ++frames;
+    require_done(stage->stop());
+    return frames;
+  };
+  const int first = frames_of_run();
+  CHECK(first > 0);
+  CHECK(frames_of_run() == first);
+}
+
 TEST_CASE("a process that was stopped until its patience was over waits for the pulses that follow",
           "[capture]") {
   Rig rig(TriggerMode::PulseWidth);  // its trigger, and another sensor on its wire
