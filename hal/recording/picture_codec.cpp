@@ -120,6 +120,31 @@ bool slices_are_whole(const AVPacket& packet) {
   return true;
 }
 
+// Of FFV1. One for small pictures, as far as FFmpeg lets them have one; 0: four, more for those that are too
+// large for four. Slices of a single line do not read back as they were.
+int slices_of(const CameraFacts& camera) {
+  constexpr int kSmall_px = 64, kMostCols = 352, kMostRows = 288, kLeastOfTwo_px = 4;
+  const int shorter = std::min(camera.width, camera.height);
+  const bool may_be_one = camera.width <= kMostCols && camera.height <= kMostRows;
+  return shorter < kLeastOfTwo_px || (shorter < kSmall_px && may_be_one) ? 1 : 0;
+}
+
+// What the encoder is told beside the size. Huffyuv's tables of codes are made for each picture up to 8 bits,
+// which takes a millisecond and saves a twentieth; of more bits they take six and stay as they are.
+void configure(RecordingCodec codec, const CameraFacts& camera, AVCodecContext& context) {
+  if (codec == RecordingCodec::Huffyuv) {
+    context.thread_count = 1;
+    av_opt_set_int(context.priv_data, "context", camera.bits <= 8 ? 1 : 0, 0);
+    return;
+  }
+  context.gop_size = 1;
+  context.level = 3;
+  context.thread_count = 0;
+  context.thread_type = FF_THREAD_SLICE;
+  context.slices = slices_of(camera);
+  av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
+}
+
 Error corrupt(const char* what, int code) {
   return {ErrorCode::Corrupt, fmt::format("{}: {}", what, libav::words(code))};
 }
@@ -145,31 +170,6 @@ Result<void> check_recordable(const CameraFacts& camera) {
                  fmt::format("a frame rate of {} Hz cannot be recorded; it must be greater than 0",
                              camera.framerate_hz)};
   return {};
-}
-
-// Of FFV1. One for small pictures, as far as FFmpeg lets them have one; 0: four, more for those that are too
-// large for four. Slices of a single line do not read back as they were.
-int slices_of(const CameraFacts& camera) {
-  constexpr int kSmall_px = 64, kMostCols = 352, kMostRows = 288, kLeastOfTwo_px = 4;
-  const int shorter = std::min(camera.width, camera.height);
-  const bool may_be_one = camera.width <= kMostCols && camera.height <= kMostRows;
-  return shorter < kLeastOfTwo_px || (shorter < kSmall_px && may_be_one) ? 1 : 0;
-}
-
-// What the encoder is told beside the size. Huffyuv's tables of codes are made for each picture up to 8 bits,
-// which takes a millisecond and saves a twentieth; of more bits they take six and stay as they are.
-void configure(RecordingCodec codec, const CameraFacts& camera, AVCodecContext& context) {
-  if (codec == RecordingCodec::Huffyuv) {
-    context.thread_count = 1;
-    av_opt_set_int(context.priv_data, "context", camera.bits <= 8 ? 1 : 0, 0);
-    return;
-  }
-  context.gop_size = 1;
-  context.level = 3;
-  context.thread_count = 0;
-  context.thread_type = FF_THREAD_SLICE;
-  context.slices = slices_of(camera);
-  av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
 }
 
 Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, RecordingCodec recording) {
