@@ -31,6 +31,9 @@ bool has_one_of(const std::string& path, std::span<const std::string_view> exten
   return std::ranges::find(extensions, lower_extension(path)) != extensions.end();
 }
 
+// Such as "._IMG_0.JPG", which some systems write beside each file of a card.
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
 // By letters, and numbers by their value.
 bool before(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
@@ -186,9 +189,6 @@ Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vecto
 bool is_still(const std::string& path) { return is_raw_still(path) || has_one_of(path, kStills); }
 
 bool is_footage(const std::string& path) { return is_still(path) || has_one_of(path, kVideos); }
-
-// Such as "._IMG_0.JPG", which some systems write beside each file of a card.
-bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files;
