@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -79,6 +80,17 @@ Error control_error(int code, const std::string& path, const std::string& doing)
   const bool gone = code == ENODEV || code == ENXIO, never = code == ENOTTY || code == EINVAL;
   if (gone || never) return device_error(code, path, doing);
   return {ErrorCode::Io, fmt::format("'{}' refused to {}: {}", path, doing, std::strerror(code)), code};
+}
+
+std::vector<std::string> device_nodes(std::string_view beginning) {
+  std::vector<std::string> nodes;
+  std::error_code ignored;
+  for (const auto& file : fs::directory_iterator("/dev", ignored))
+    if (file.path().filename().string().starts_with(beginning)) nodes.push_back(file.path());
+  std::ranges::sort(nodes, [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  });
+  return nodes;
 }
 
 std::string holder_of(const std::string& path) {

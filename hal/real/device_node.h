@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
@@ -43,6 +45,9 @@ Error device_error(int code, const std::string& path, const std::string& doing);
 
 // The same of a control of a device that is in use by us: that it is busy or stalled says nothing of others.
 Error control_error(int code, const std::string& path, const std::string& doing);
+
+// The nodes whose names begin so, such as "video": "/dev/video0" first, and 2 before 10.
+std::vector<std::string> device_nodes(std::string_view beginning);
 
 // "'name' (process 123)" of a process of this user that has the node open; empty where none can be seen.
 std::string holder_of(const std::string& path);

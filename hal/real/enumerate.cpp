@@ -1,7 +1,6 @@
 #include "hal/real/enumerate.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 
 #include "hal/gpu/gpu_list.h"
@@ -15,17 +14,6 @@ namespace hdrcam {
 namespace {
 
 constexpr const char* kLibcameraPrefix = "libcamera:";
-
-std::vector<std::string> nodes_named(const char* beginning) {
-  std::vector<std::string> nodes;
-  std::error_code ignored;
-  for (const auto& file : std::filesystem::directory_iterator("/dev", ignored))
-    if (file.path().filename().string().starts_with(beginning)) nodes.push_back(file.path());
-  std::sort(nodes.begin(), nodes.end(), [](const std::string& a, const std::string& b) {
-    return a.size() != b.size() ? a.size() < b.size() : a < b;  // video2 before video10
-  });
-  return nodes;
-}
 
 std::string exposure_fact(const CameraCapabilities& camera) {
   if (!camera.sets_exposure) return "exposure: fixed by the device";
@@ -70,7 +58,7 @@ void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
 }
 
 void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
-  for (const std::string& node : nodes_named("video")) {
+  for (const std::string& node : device_nodes("video")) {
     auto camera = open_v4l2_camera(node);
     if (!camera && camera.error().code == ErrorCode::Unsupported) continue;  // a decoder, a metadata node
     if (!camera) {
@@ -133,7 +121,7 @@ void add_graphics(std::vector<FoundDevice>& devices) {
 // Used when there is no camera: the nodes that exist but may not be opened.
 std::string what_stands_in_the_way() {
   for (const char* beginning : {"video", "media"})
-    for (const std::string& node : nodes_named(beginning))
+    for (const std::string& node : device_nodes(beginning))
       if (const auto opened = DeviceNode::open(node); !opened && opened.error().code == ErrorCode::Permission)
         return opened.error().message;
   return "connect one and see 'hdrcam list', or use --camera sim:SCENE";
@@ -171,8 +159,8 @@ Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& c
   if (id.starts_with(kLibcameraPrefix))
     return open_libcamera_camera(id.substr(std::string(kLibcameraPrefix).size()), clock);
   auto camera = open_libcamera_camera(id, clock);
-  if (!camera && camera.error().code == ErrorCode::NotFound && nodes_named("video").empty() &&
-      nodes_named("media").empty())
+  if (!camera && camera.error().code == ErrorCode::NotFound && device_nodes("video").empty() &&
+      device_nodes("media").empty())
     return Error{ErrorCode::NotFound,
                  fmt::format("there is no camera '{}', nor any other; {}", id, what_stands_in_the_way())};
   return camera;

@@ -1,9 +1,7 @@
 #include "hal/real/gpio_line.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 
 #include "hal/core/parse_number.h"
 #include "hal/real/device_node.h"
@@ -18,14 +16,7 @@ std::optional<GpioLineName> parse_line_name(const std::string& name) {
   return GpioLineName{name.substr(0, colon), *offset};
 }
 
-std::vector<std::string> gpio_chip_nodes() {
-  std::vector<std::string> nodes;
-  std::error_code ignored;
-  for (const auto& file : std::filesystem::directory_iterator("/dev", ignored))
-    if (file.path().filename().string().starts_with("gpiochip")) nodes.push_back(file.path());
-  std::sort(nodes.begin(), nodes.end());
-  return nodes;
-}
+std::vector<std::string> gpio_chip_nodes() { return device_nodes("gpiochip"); }
 
 namespace {
 

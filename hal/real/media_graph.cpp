@@ -115,10 +115,8 @@ Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node) 
   struct stat status {};
   if (::stat(video_node.c_str(), &status) != 0) return device_error(errno, video_node, "find it");
   std::optional<Error> refused;
-  std::error_code ignored;
-  for (const auto& file : fs::directory_iterator("/dev", ignored)) {
-    if (!file.path().filename().string().starts_with("media")) continue;
-    auto media = DeviceNode::open(file.path());
+  for (const std::string& node : device_nodes("media")) {
+    auto media = DeviceNode::open(node);
     if (!media) {
       refused = media.error();
       continue;
@@ -129,7 +127,7 @@ Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node) 
     const media_v2_entity* capture = entity_of(graph, status.st_rdev);
     if (capture == nullptr) continue;
     MediaGraph found;
-    found.node = file.path();
+    found.node = node;
     if (!find_sensor(graph, *capture, found)) found.path.clear();
     return std::optional<MediaGraph>(std::move(found));
   }

@@ -1,5 +1,6 @@
 // What can be known of real devices on a machine that has none: sentences for what is missing, and the
 // arithmetic.
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <set>
@@ -33,6 +34,14 @@ void require_sentence(const Result<T>& result, ErrorCode code, const std::string
 TEST_CASE("a camera node that is not there is named") {
   require_sentence(open_v4l2_camera("/dev/video77"), ErrorCode::NotFound, "'/dev/video77'");
   require_sentence(open_real_camera("/dev/video77"), ErrorCode::NotFound, "'/dev/video77'");
+}
+
+TEST_CASE("nodes are found by the beginning of their name, numbers in their order") {
+  CHECK(device_nodes("nothing-begins-so").empty());
+  CHECK(device_nodes("nul") == std::vector<std::string>{"/dev/null"});
+  const auto nodes = device_nodes("");
+  CHECK(std::ranges::is_sorted(nodes, {}, &std::string::size));
+  CHECK(std::ranges::count(nodes, "/dev/null") == 1);
 }
 
 TEST_CASE("a node that is no camera is refused as unsupported") {
