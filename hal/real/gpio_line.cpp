@@ -74,7 +74,7 @@ Error not_built() {
 }
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string&, LineDirection, bool) {
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings&, LineDirection) {
   return not_built();
 }
 Result<GpioChipState> inspect_gpio_chip(const std::string&) { return not_built(); }

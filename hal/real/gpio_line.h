@@ -10,8 +10,14 @@
 
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
+#include "hal/trigger_line.h"
 
 namespace hdrcam {
+
+struct GpioSettings {
+  std::string line;  // "gpiochip0:17", or the line's own name ("STROBE")
+  bool active_low = false;
+};
 
 enum class LineDirection { Input, Output };
 
@@ -24,7 +30,7 @@ struct GpioEvent {
 class GpioLine {
  public:
   virtual ~GpioLine() = default;
-  virtual Result<void> set(bool active) = 0;
+  virtual Result<void> set(LineLevel level) = 0;
   virtual int event_fd() const = 0;  // readable when an edge is there
   virtual Result<GpioEvent> read_event() = 0;
 };
@@ -34,10 +40,8 @@ struct GpioLineName {
   unsigned offset = 0;  // on the chip
 };
 
-// name: "gpiochip0:17", or the line's own name ("STROBE"). NotFound, Permission, Busy (names the holder),
-// Unsupported.
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
-                                                    bool active_low);
+// An output is inactive at first. NotFound, Permission, Busy (names the holder), Unsupported.
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings& settings, LineDirection direction);
 
 struct GpioLineState {
   std::string name, consumer;  // empty: unnamed, free

@@ -23,8 +23,9 @@ class LineV1 : public GpioLine {
       : chip_(std::move(chip)), line_(line), name_(std::move(name)) {}
   ~LineV1() override { gpiod_line_release(line_); }
 
-  Result<void> set(bool active) override {
-    if (gpiod_line_set_value(line_, active ? 1 : 0) != 0) return line_error(errno, name_, "");
+  Result<void> set(LineLevel level) override {
+    if (gpiod_line_set_value(line_, level == LineLevel::Active ? 1 : 0) != 0)
+      return line_error(errno, name_, "");
     return {};
   }
   int event_fd() const override { return gpiod_line_event_get_fd(line_); }
@@ -71,10 +72,10 @@ Result<FoundLine> find_line(const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
-                                                    bool active_low) {
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings& settings, LineDirection direction) {
+  const std::string& name = settings.line;
   auto found = TRY(find_line(name));
-  const int flags = active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
+  const int flags = settings.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   const int code = direction == LineDirection::Output
                        ? gpiod_line_request_output_flags(found.line, kConsumer, flags, 0)
                        : gpiod_line_request_both_edges_events_flags(found.line, kConsumer, flags);

@@ -34,8 +34,8 @@ class LineV2 : public GpioLine {
         offset_(offset),
         name_(std::move(name)) {}
 
-  Result<void> set(bool active) override {
-    const auto value = active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
+  Result<void> set(LineLevel level) override {
+    const auto value = level == LineLevel::Active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
     if (gpiod_line_request_set_value(request_.get(), offset_, value) != 0)
       return line_error(errno, name_, "");
     return {};
@@ -85,28 +85,28 @@ Result<FoundLine> find_line(const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
-                                                    bool active_low) {
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings& settings, LineDirection direction) {
+  const std::string& name = settings.line;
   const auto found = TRY(find_line(name));
   const LineInfo info(gpiod_chip_get_line_info(found.chip.get(), found.offset));
   if (!info) return line_error(ENOENT, name, "");
-  const Settings settings(gpiod_line_settings_new());
+  const Settings line_settings(gpiod_line_settings_new());
   const LineConfig lines(gpiod_line_config_new());
   const RequestConfig request(gpiod_request_config_new());
-  if (!settings || !lines || !request) return line_error(ENOMEM, name, "");
+  if (!line_settings || !lines || !request) return line_error(ENOMEM, name, "");
   gpiod_request_config_set_consumer(request.get(), kConsumer);
-  gpiod_line_settings_set_active_low(settings.get(), active_low);
+  gpiod_line_settings_set_active_low(line_settings.get(), settings.active_low);
   if (direction == LineDirection::Output) {
-    gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_OUTPUT);
-    gpiod_line_settings_set_output_value(settings.get(), GPIOD_LINE_VALUE_INACTIVE);
+    gpiod_line_settings_set_direction(line_settings.get(), GPIOD_LINE_DIRECTION_OUTPUT);
+    gpiod_line_settings_set_output_value(line_settings.get(), GPIOD_LINE_VALUE_INACTIVE);
   } else {
-    gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_INPUT);
-    gpiod_line_settings_set_edge_detection(settings.get(), GPIOD_LINE_EDGE_BOTH);
-    gpiod_line_settings_set_event_clock(settings.get(), GPIOD_LINE_CLOCK_MONOTONIC);
+    gpiod_line_settings_set_direction(line_settings.get(), GPIOD_LINE_DIRECTION_INPUT);
+    gpiod_line_settings_set_edge_detection(line_settings.get(), GPIOD_LINE_EDGE_BOTH);
+    gpiod_line_settings_set_event_clock(line_settings.get(), GPIOD_LINE_CLOCK_MONOTONIC);
     // the kernel keeps 16 unless it is asked for more, and then loses the oldest
     gpiod_request_config_set_event_buffer_size(request.get(), SyncLine::kMostWaiting);
   }
-  gpiod_line_config_add_line_settings(lines.get(), &found.offset, 1, settings.get());
+  gpiod_line_config_add_line_settings(lines.get(), &found.offset, 1, line_settings.get());
   LineRequest granted(gpiod_chip_request_lines(found.chip.get(), request.get(), lines.get()));
   if (!granted) {
     const int reason = errno;

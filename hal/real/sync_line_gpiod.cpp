@@ -67,7 +67,7 @@ class GpioSyncLine : public SyncLine {
 }  // namespace
 
 Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings, Clock& clock) {
-  auto line = TRY(request_gpio_line(settings.line, LineDirection::Input, settings.active_low));
+  auto line = TRY(request_gpio_line(settings, LineDirection::Input));
   return std::unique_ptr<SyncLine>(std::make_unique<GpioSyncLine>(std::move(line), settings, clock));
 }
 

@@ -3,18 +3,12 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "hal/clock.h"
 #include "hal/real/gpio_line.h"
 #include "hal/sync_line.h"
 
 namespace hdrcam {
-
-struct GpioSettings {
-  std::string line;  // "gpiochip0:17", or the line's name
-  bool active_low = false;
-};
 
 // NotFound, Permission, Busy (names the holder), Unsupported.
 Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings, Clock& clock = posix_clock());

@@ -11,12 +11,12 @@ class GpioTriggerLine : public TriggerLine {
  public:
   GpioTriggerLine(std::unique_ptr<GpioLine> line, std::string name, Clock& clock)
       : line_(std::move(line)), name_(std::move(name)), clock_(clock) {}
-  ~GpioTriggerLine() override { (void)line_->set(false); }
+  ~GpioTriggerLine() override { (void)line_->set(LineLevel::Inactive); }
 
   const std::string& name() const override { return name_; }
   Result<DrivenEdge> drive(LineLevel level) override {
     const Instant before = clock_.now();
-    TRY(line_->set(level == LineLevel::Active));
+    TRY(line_->set(level));
     const Duration half = (clock_.now() - before) / 2;
     return DrivenEdge{before + half, half};
   }
@@ -33,7 +33,7 @@ void leave_inactive(const GpioSettings& settings) {
   constexpr int kAttempts = 5000;
   constexpr auto kPause = std::chrono::milliseconds(1);
   for (int i = 0; i < kAttempts; ++i) {
-    const auto line = request_gpio_line(settings.line, LineDirection::Output, settings.active_low);
+    const auto line = request_gpio_line(settings, LineDirection::Output);
     if (line) return std::this_thread::sleep_for(kHeldInactive);
     if (line.error().code != ErrorCode::Busy) return;
     std::this_thread::sleep_for(kPause);
@@ -43,7 +43,7 @@ void leave_inactive(const GpioSettings& settings) {
 }  // namespace
 
 Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings, Clock& clock) {
-  auto line = TRY(request_gpio_line(settings.line, LineDirection::Output, settings.active_low));
+  auto line = TRY(request_gpio_line(settings, LineDirection::Output));
   return std::unique_ptr<TriggerLine>(
       std::make_unique<GpioTriggerLine>(std::move(line), settings.line, clock));
 }
