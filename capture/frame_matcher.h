@@ -29,7 +29,7 @@
 namespace hdrcam {
 
 struct FrameMatcherOptions {
-  Duration frame_duration{33'333'333};
+  Duration frame_duration = kUsualFrameDuration;
   // Controls are written when the frame of their own request begins (hal/camera.h) and act this many frames
   // later; zero where a request sets the exposure of its own frame. nullopt: unknown, so nothing is
   // predicted.

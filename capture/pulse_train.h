@@ -13,10 +13,10 @@ namespace hdrcam {
 
 struct TriggerOptions {
   TriggerMode mode = TriggerMode::FrameStart;
-  Duration interval{33'333'333};  // between leading edges
-  Duration width{200'000};        // of a pulse that only starts a frame
-  Duration gap{1'000'000};        // the line is inactive at least this long between pulses (read-out)
-  Duration tolerance{500'000};    // an edge later than this is late
+  Duration interval = kUsualFrameDuration;  // between leading edges
+  Duration width{200'000};                  // of a pulse that only starts a frame
+  Duration gap{1'000'000};      // the line is inactive at least this long between pulses (read-out)
+  Duration tolerance{500'000};  // an edge later than this is late
 };
 
 struct PlannedPulse {

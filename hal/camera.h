@@ -77,10 +77,12 @@ struct YuvCoding {
   friend bool operator==(const YuvCoding&, const YuvCoding&) = default;
 };
 
+inline constexpr Duration kUsualFrameDuration{33'333'333};  // 30 Hz: where none is asked for or stated
+
 struct StreamMode {
   PixelFormat format = PixelFormat::Rgb24;
-  int width = 0, height = 0;            // pixels
-  Duration frame_duration{33'333'333};  // constant: the schedule must not move the frame rate
+  int width = 0, height = 0;                      // pixels
+  Duration frame_duration = kUsualFrameDuration;  // constant: the schedule must not move the frame rate
 };
 
 // The exposure for the next frame. The cookie returns with the buffer that completes the request; capture/
@@ -94,7 +96,7 @@ struct ExposureRequest {
 struct CameraCapabilities {
   std::string id, model, driver;                                // id: what --camera takes
   std::vector<StreamMode> modes;                                // with the shortest frame duration of each
-  Duration usual_frame_duration{33'333'333};                    // unless another is requested
+  Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
   double gain_step = 0;                                         // 0: continuous

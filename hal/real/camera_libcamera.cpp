@@ -44,7 +44,6 @@ namespace {
 namespace lc = libcamera;
 using std::chrono::microseconds;
 
-constexpr Duration kUsualFrame{33'333'333};
 bool log_shown = false;
 
 // libcamera allows one manager in a process: all users share it, and the last one stops it.
@@ -108,7 +107,7 @@ void describe_exposure(const lc::Camera& camera, CameraCapabilities& capabilitie
 void add_modes(lc::Camera& camera, lc::StreamRole role, CameraCapabilities& capabilities) {
   const auto configuration = camera.generateConfiguration({role});
   if (configuration == nullptr || configuration->empty()) return;
-  Duration shortest = kUsualFrame;
+  Duration shortest = kUsualFrameDuration;
   if (has_algorithms(camera))
     shortest =
         microseconds(camera.controls().at(lc::controls::FrameDurationLimits.id()).min().get<std::int64_t>());
@@ -270,9 +269,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
     if (started_) return must_stop_to_configure(capabilities_.id);
     TRY(check_buffers(buffers, ControlPacer::kDepth));
-    if (wanted.width <= 0 || wanted.height <= 0)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
+    TRY(check_size(wanted));
     return slots_.check_none_leased();
   }
 
@@ -288,7 +285,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   }
 
   Duration constant_frame_duration(Duration wanted) const {
-    if (!has_algorithms(*camera_)) return kUsualFrame;
+    if (!has_algorithms(*camera_)) return kUsualFrameDuration;
     const auto& limits = camera_->controls().at(lc::controls::FrameDurationLimits.id());
     return std::clamp<Duration>(wanted, microseconds(limits.min().get<std::int64_t>()),
                                 microseconds(limits.max().get<std::int64_t>()));

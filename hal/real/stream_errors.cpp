@@ -26,6 +26,12 @@ Result<void> check_buffers(int buffers, int most) {
                fmt::format("a stream cannot have {} buffers; ask for 1 to {}", buffers, most)};
 }
 
+Result<void> check_size(const StreamMode& wanted) {
+  if (wanted.width > 0 && wanted.height > 0) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
+}
+
 Error stopped(const std::string& id) {
   return {ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", id)};
 }

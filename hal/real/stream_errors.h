@@ -1,9 +1,10 @@
-// What a camera of this folder answers to a call at the wrong time, and to a wait that ends without a frame.
-// Each text names the camera. Reentrant.
+// What a camera of this folder answers to a call at the wrong time, to a stream that no camera can have, and
+// to a wait that ends without a frame. Each text names the camera, or what cannot be had. Reentrant.
 #pragma once
 
 #include <string>
 
+#include "hal/camera.h"
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
 
@@ -16,6 +17,8 @@ Error not_configured(const std::string& id);
 Error not_started(const std::string& id);
 // Invalid for other numbers of buffers than 1..most.
 Result<void> check_buffers(int buffers, int most);
+// Invalid for a picture without pixels.
+Result<void> check_size(const StreamMode& wanted);
 
 // Interrupted and Timeout: of wait().
 Error stopped(const std::string& id);

@@ -5,15 +5,14 @@
 #include <algorithm>
 
 #include "hal/pixel_format_table.h"
+#include "hal/real/stream_errors.h"
 #include "hal/real/v4l2_formats.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr Duration kUsualFrame{33'333'333};
-
 Duration duration_of(const v4l2_fract& seconds) {
-  if (seconds.denominator == 0) return kUsualFrame;
+  if (seconds.denominator == 0) return kUsualFrameDuration;
   return Duration(static_cast<Duration::rep>(1e9 * seconds.numerator / seconds.denominator + 0.5));
 }
 
@@ -27,7 +26,7 @@ Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint
     shortest = std::min(shortest, duration_of(discrete ? interval.discrete : interval.stepwise.min));
     if (!discrete) break;
   }
-  return shortest == Duration::max() ? kUsualFrame : shortest;
+  return shortest == Duration::max() ? kUsualFrameDuration : shortest;
 }
 
 // Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
@@ -163,9 +162,7 @@ std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_ty
 }
 
 Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted) {
-  if (wanted.width <= 0 || wanted.height <= 0)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
+  TRY(check_size(wanted));
   v4l2_format format{};
   format.type = queue_type;
   write_format(wanted, format);
