@@ -1,10 +1,5 @@
 #include "hal/footage/video_file.h"
 
-extern "C" {
-#include <libavutil/imgutils.h>
-#include <libavutil/pixdesc.h>
-}
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,35 +18,9 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
-constexpr int kHighDefinition_px = 720;  // rows from which untagged video is BT.709, as players take it
-
-int rounded_up(int value, int shift) { return (value + (1 << shift) - 1) >> shift << shift; }
-
-int matrix_of(const AVFrame& frame, bool still) {
-  if (frame.colorspace != AVCOL_SPC_UNSPECIFIED) return frame.colorspace;
-  if (still) return h273::kMatrixBt601;  // JFIF
-  return frame.height >= kHighDefinition_px ? h273::kMatrixBt709 : h273::kMatrixBt601;
-}
-
-bool is_full_range(const AVFrame& frame) {
-  const std::string_view name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
-  return frame.color_range == AVCOL_RANGE_JPEG || name.starts_with("yuvj");
-}
-
 // Rows of two moments; those of a PNG may be stored in another order, which its decoder calls so, too.
 bool is_interlaced(const AVFrame& frame, AVCodecID codec) {
   return frame.interlaced_frame != 0 && codec != AV_CODEC_ID_PNG && codec != AV_CODEC_ID_APNG;
-}
-
-ChromaSite chroma_site_of(const AVFrame& frame) {
-  switch (frame.chroma_location) {
-    case AVCHROMA_LOC_CENTER:
-      return ChromaSite::Center;
-    case AVCHROMA_LOC_TOPLEFT:
-      return ChromaSite::TopLeft;
-    default:
-      return ChromaSite::Left;
-  }
 }
 
 // A file is what was named: a playlist opens no others, and nothing on a network.
@@ -211,7 +180,7 @@ Result<void> VideoFile::open_decoder() {
 Result<bool> VideoFile::decode() {
   for (;;) {
     // Behind the picture of a still others may lie, such as a preview or a gain map.
-    if (still_ && (pixel_format_ >= 0 || losses_.damaged > 0)) return false;
+    if (still_ && (codes_.begun() || losses_.damaged > 0)) return false;
     const int code = avcodec_receive_frame(decoder_.get(), frame_.get());
     if (code >= 0 && is_whole()) return true;
     if (code >= 0) continue;
@@ -285,104 +254,17 @@ int VideoFile::missing_at_end() const {
 }
 
 // From the first frame: how its codes become RGB.
-Result<void> VideoFile::prepare() {
-  TRY(take_format());
-  const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
-  unpacked_ =
-      Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
-  const bool are_wanted = from_.colors != PictureColors::Yuv && from_.range == CodeRange::Full;
-  return are_wanted ? Result<void>{} : open_converter();
-}
-
-// What its codes are.
-Result<void> VideoFile::take_format() {
-  const AVFrame& frame = *frame_;
-  const auto pixel_format = static_cast<AVPixelFormat>(frame.format);
-  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(pixel_format);
-  constexpr std::uint64_t kNoCodes =
-      AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_HWACCEL;
-  const bool xyz = pixel_format == AV_PIX_FMT_XYZ12LE || pixel_format == AV_PIX_FMT_XYZ12BE;
-  if ((format.flags & kNoCodes) != 0 || xyz || format.comp[0].depth < 8)
-    return refused(
-        ErrorCode::Unsupported,
-        fmt::format("has pixels of the format {}; convert it to RGB of 8 to 16 bits", format.name));
-  facts_.format += fmt::format(", {}", format.name);
-  pixel_format_ = frame.format;
-
-  const bool rgb = (format.flags & AV_PIX_FMT_FLAG_RGB) != 0, grey = format.nb_components < 3;
-  facts_.layout = grey ? PixelLayout::Mono : PixelLayout::Rgb;
-  from_ = {};
-  from_.store = SampleStore::Words;
-  from_.bits = format.comp[0].depth;
-  from_.colors = grey ? PictureColors::Grey : rgb ? PictureColors::Rgb : PictureColors::Yuv;
-  if (from_.colors == PictureColors::Yuv)
-    from_.chroma_shift_x = format.log2_chroma_w, from_.chroma_shift_y = format.log2_chroma_h;
-  from_.width_px = rounded_up(frame.width, from_.chroma_shift_x);
-  from_.height_px = rounded_up(frame.height, from_.chroma_shift_y);
-  const bool limited = rgb || grey ? frame.color_range == AVCOL_RANGE_MPEG : !is_full_range(frame);
-  from_.range = limited ? CodeRange::Limited : CodeRange::Full;
-  from_.chroma_site = chroma_site_of(frame);
-  const bool still = demuxer_->streams[track_]->codecpar->codec_id == AV_CODEC_ID_MJPEG;
-  if (from_.colors == PictureColors::Yuv) from_.tags.matrix = matrix_of(frame, still);
-  facts_.bits = from_.colors == PictureColors::Yuv ? std::max(10, from_.bits) : from_.bits;
-  return {};
-}
-
-// To RGB or grey of the full range.
-Result<void> VideoFile::open_converter() {
-  to_ = from_;
-  to_.bits = facts_.bits, to_.range = CodeRange::Full, to_.chroma_shift_x = to_.chroma_shift_y = 0;
-  to_.colors = from_.colors == PictureColors::Grey ? PictureColors::Grey : PictureColors::Rgb;
-  to_.tags = {};
-  converted_ = Image<std::uint16_t>(to_.planes(), unpacked_.rows(), unpacked_.cols());
-  auto converter = PictureConverter::create(from_, to_);
-  if (!converter)
-    return refused(ErrorCode::Unsupported,
-                   fmt::format("has colours that cannot become RGB: {}", converter.error().message));
-  converter_.emplace(std::move(converter).value());
-  return {};
-}
-
-// Into planes of words, whatever the order of bytes and components; chroma that reaches beyond the picture is
-// there, luma is repeated.
-Result<void> VideoFile::unpack(Image<std::uint16_t>& codes) {
-  const AVFrame& frame = *frame_;
-  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-  const std::uint8_t* data[4] = {frame.data[0], frame.data[1], frame.data[2], frame.data[3]};
-  for (int c = 0; c < from_.planes(); ++c) {
-    const bool chroma = c > 0 && from_.colors == PictureColors::Yuv;
-    const int cols = chroma ? AV_CEIL_RSHIFT(frame.width, from_.chroma_shift_x) : frame.width;
-    const int rows = chroma ? AV_CEIL_RSHIFT(frame.height, from_.chroma_shift_y) : frame.height;
-    for (int y = 0; y < rows; ++y) {
-      std::uint16_t* const row = unpacked_.row(c, y);
-      av_read_image_line2(row, data, frame.linesize, &format, 0, y, c, cols, 0, sizeof(std::uint16_t));
-      if (!chroma) std::fill(row + cols, row + from_.width_px, row[cols - 1]);
-    }
-    for (int y = rows; !chroma && y < from_.height_px; ++y)
-      std::copy_n(unpacked_.row(c, rows - 1), unpacked_.cols(), unpacked_.row(c, y));
-  }
-  const Image<std::uint16_t>* result = &unpacked_;
-  if (converter_) {
-    ConstPicturePlanes source;
-    PicturePlanes target;
-    const auto stride = static_cast<std::ptrdiff_t>(sizeof(std::uint16_t)) * unpacked_.cols();
-    for (std::size_t c = 0; c < static_cast<std::size_t>(from_.planes()); ++c) {
-      source.data[c] = unpacked_.plane(static_cast<int>(c)), source.stride_bytes[c] = stride;
-      target.data[c] = converted_.plane(static_cast<int>(c)), target.stride_bytes[c] = stride;
-    }
-    TRY(converter_->convert(source, target));
-    result = &converted_;
-  }
-  codes.reshape(from_.planes(), frame.height, frame.width);
-  for (int c = 0; c < codes.channels(); ++c)
-    for (int y = 0; y < codes.rows(); ++y) std::copy_n(result->row(c, y), codes.cols(), codes.row(c, y));
+Result<void> VideoFile::begin_codes() {
+  const auto begun = codes_.begin(*frame_, demuxer_->streams[track_]->codecpar->codec_id);
+  if (!begun) return refused(begun.error().code, begun.error().message);
+  facts_.format += fmt::format(", {}", codes_.format_name());
+  facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
   return {};
 }
 
 Result<bool> VideoFile::next(RawFrame& frame) {
   if (!TRY(decode())) {
-    const bool none = pixel_format_ < 0;
-    if (none && (still_ || losses_.damaged > 0))
+    if (!codes_.begun() && (still_ || losses_.damaged > 0))
       return refused(
           ErrorCode::Corrupt,
           "does not decode: it is damaged or cut, or of a kind that FFmpeg does not know; copy it again, "
@@ -391,13 +273,11 @@ Result<bool> VideoFile::next(RawFrame& frame) {
   }
   if (is_interlaced(*frame_, decoder_->codec_id))
     return refused(ErrorCode::Unsupported, "is interlaced; make whole frames of it first: ffmpeg -vf bwdif");
-  const bool first = pixel_format_ < 0;
-  if (first) TRY(prepare());
-  if (!first &&
-      (frame_->format != pixel_format_ || rounded_up(frame_->width, from_.chroma_shift_x) != from_.width_px ||
-       rounded_up(frame_->height, from_.chroma_shift_y) != from_.height_px))
+  if (!codes_.begun())
+    TRY(begin_codes());
+  else if (!codes_.is_like_first(*frame_))
     return refused(ErrorCode::SizeChanged, "changes its size or format on the way");
-  TRY(unpack(frame.codes));
+  TRY(codes_.take(*frame_, frame.codes));
   frame.facts = {};
   frame.facts.exposure_source = ExposureSource::Unknown;
   const AVRational tick = demuxer_->streams[track_]->time_base;

@@ -1,6 +1,5 @@
-// One video or picture file, decoded by the FFmpeg libraries: frame after frame, its codes as RGB or mono.
-// The depth of what was RGB or mono stays; Y'CbCr of 8 bits becomes RGB of 10, so that rounding adds nothing,
-// deeper ones keep their depth. Thread-bound.
+// One video or picture file, decoded by the FFmpeg libraries: frame after frame, its codes as RGB or mono
+// (decoded_codes.h). What is damaged is left out and counted. Thread-bound.
 #pragma once
 
 #include <memory>
@@ -8,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "hal/footage/decoded_codes.h"
 #include "hal/footage/picture_file.h"
 #include "hal/recording/libav.h"
 #include "hal/recording/storage_stream.h"
-#include "hal/video/picture_converter.h"
 
 namespace hdrcam {
 
@@ -44,10 +43,7 @@ class VideoFile : public PictureFile {
   bool is_whole();
   void lose_until_key();
   int missing_at_end() const;
-  Result<void> prepare();
-  Result<void> take_format();
-  Result<void> open_converter();
-  Result<void> unpack(Image<std::uint16_t>& codes);
+  Result<void> begin_codes();
   Error refused(ErrorCode code, const std::string& why) const;
 
   StorageStream stream_;  // outlives the demuxer
@@ -64,12 +60,8 @@ class VideoFile : public PictureFile {
   int packets_ = 0;                                            // of the track
   std::int64_t end_ = 0;                                       // of the latest of them, in ticks of the track
 
-  // Of the first frame; all others are like it.
-  int pixel_format_ = -1;
   PictureFileFacts facts_;
-  PictureFormat from_, to_;  // sides are multiples of the chroma's
-  std::optional<PictureConverter> converter_;
-  Image<std::uint16_t> unpacked_, converted_;  // rows at multiples of 64 bytes
+  DecodedCodes codes_;
 };
 
 }  // namespace hdrcam
