@@ -99,16 +99,9 @@ bool CaptureStage::nobody_states_exposures() const {
   return !how.delays && !camera_.capabilities().reports_exposure && how.trigger != TriggerMode::PulseWidth;
 }
 
-bool CaptureStage::has_one_exposure() const {
-  const ExposureSchedule::Cycle cycle = schedule_.cycle();
-  return std::ranges::all_of(cycle, [first = log_product(cycle.front())](const Exposure& exposure) {
-    return same_exposure(log_product(exposure), first);
-  });
-}
-
 std::string CaptureStage::exposures_account() const {
   const bool none_known = counters_.emitted > 0 && counters_.unknown == counters_.emitted;
-  if (!none_known || !nobody_states_exposures() || !has_one_exposure()) return "";
+  if (!none_known || !nobody_states_exposures() || !all_same(schedule_.cycle())) return "";
   return fmt::format(
       "the exposure of every frame is unknown: '{}' does not report it, its control delay is unknown, and "
       "pictures do not tell it where all have the same; run 'hdrcam calibrate delay' once, or give a cycle "
@@ -128,8 +121,8 @@ void CaptureStage::collect_warnings() {
         fmt::format("'{}' does not report exposures and its control delay is unknown; {}; run 'hdrcam "
                     "calibrate delay' once",
                     offers.id,
-                    has_one_exposure() ? "pictures do not tell it where all have the same"
-                                       : "frames are labelled by their pictures alone"));
+                    all_same(schedule_.cycle()) ? "pictures do not tell it where all have the same"
+                                                : "frames are labelled by their pictures alone"));
   if (black_.unreported())
     warnings_.push_back(fmt::format(
         "the black level of '{}' is unknown and taken for 0; if it is higher, short exposures show "

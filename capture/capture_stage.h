@@ -91,7 +91,6 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   bool nobody_states_exposures() const;
-  bool has_one_exposure() const;
   Duration longest_exposure() const;
   void collect_warnings();
   void restart_matching();

@@ -63,6 +63,12 @@ Duration between_begins(const FrameFacts& frame, const FrameFacts& next) {
 
 double log_product(const Exposure& exposure) { return std::log(exposure.product()); }
 
+bool all_same(std::span<const Exposure> cycle) {
+  return std::ranges::all_of(cycle, [&](const Exposure& exposure) {
+    return same_exposure(log_product(exposure), log_product(cycle.front()));
+  });
+}
+
 Result<Duration> parse_duration(std::string_view text) {
   if (bare_number(text).value_or(0) > 0) return lacks_unit(text);
   const auto seconds = seconds_in(trimmed(text));

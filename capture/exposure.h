@@ -31,6 +31,8 @@ double log_product(const Exposure& exposure);
 // Claims, labels and slots, each set or stated: rounding to lines and gain codes changes less.
 inline constexpr double kSameExposure = 0.05;
 inline bool same_exposure(double log_a, double log_b) { return std::abs(log_a - log_b) <= kSameExposure; }
+// Whether the exposures of a cycle all count as one, so that no picture can tell them apart.
+bool all_same(std::span<const Exposure> cycle);
 // A claim outside the cycle and an exposure of it, as far as pictures can tell: the interval of a measured
 // ratio reaches 0.1 to each side in a static scene, and more in others (photometry.h).
 inline constexpr double kSameToPictures = 0.15;

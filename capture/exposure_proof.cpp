@@ -47,9 +47,7 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   current_count_ = cycle.size();
   proved_in_current_ = undecided_ = 0;
   change_denied_ = false;
-  exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
-  });
+  exposures_differ_ = !all_same(cycle);
 }
 
 void ExposureProof::widen_undecided() {
@@ -107,7 +105,7 @@ int ExposureProof::fewest_outliers(std::size_t age, int outliers, int bound,
   const Frame& frame = back(age);
   const bool proved = frame.judgement.verdict == Verdict::Proved;
   for (const double value : frame.values) {
-    if (proved && std::abs(value - frame.judgement.label.log_value()) > kSameExposure) continue;
+    if (proved && !same_exposure(value, frame.judgement.label.log_value())) continue;
     if (!fits(age, value, assigned)) continue;
     assigned[age] = value;
     fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), assigned));
@@ -163,8 +161,7 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
 bool ExposureProof::another_explains_better(double claimed, const Explanations& explanations) const {
   const auto& values = back(0).values;
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::abs(values[i] - claimed) <= kSameExposure)
-      return explanations.outliers_if[i] > explanations.fewest_outliers;
+    if (same_exposure(values[i], claimed)) return explanations.outliers_if[i] > explanations.fewest_outliers;
   return explanations.fewest_outliers < kNever;
 }
 

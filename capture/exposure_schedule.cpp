@@ -48,10 +48,7 @@ Duration rounded_down(Duration longest) {
 }
 
 Result<void> check_distinct(std::span<const Exposure> cycle) {
-  const auto same = [&](const Exposure& exposure) {
-    return same_exposure(log_product(exposure), log_product(cycle.front()));
-  };
-  if (cycle.size() < 2 || !std::all_of(cycle.begin(), cycle.end(), same)) return {};
+  if (cycle.size() < 2 || !all_same(cycle)) return {};
   return Error{
       ErrorCode::Invalid,
       fmt::format("all {} exposures of the cycle are the same, {}; give different ones to --shutter or "

@@ -19,8 +19,7 @@ bool judgeable(const FrameFacts& facts) {
 
 // Merges the judgements of a frame by the frames before it and by the frames after it.
 Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
-  if (by_earlier.unique && by_later.unique &&
-      std::abs(*by_earlier.unique - *by_later.unique) > kSameExposure) {
+  if (by_earlier.unique && by_later.unique && !same_exposure(*by_earlier.unique, *by_later.unique)) {
     Judgement divided = by_earlier;
     divided.verdict = Verdict::Contradicted;
     divided.relabelled = divided.as_by_light = false;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -89,7 +88,7 @@ void RecordingStage::compare_exposure(const FrameFacts& facts) {
   if (!first_exposure_)
     first_exposure_ = exposure, relative_ = facts.exposure_source == ExposureSource::Estimated;
   exposures_differ_ =
-      exposures_differ_ || std::abs(log_product(exposure) - log_product(*first_exposure_)) > kSameExposure;
+      exposures_differ_ || !same_exposure(log_product(exposure), log_product(*first_exposure_));
 }
 
 // Of the numbers that are missing before a frame, those of damaged frames were not lost by the camera.
