@@ -14,10 +14,19 @@ namespace {
 constexpr double kOutlier = std::numeric_limits<double>::quiet_NaN();
 
 // A strobe pulse lasts as long as the exposure, except for the interrupt latency at its two edges.
-Duration strobe_slack(Duration exposure) { return Duration(60'000) + exposure / 16; }
+Duration strobe_slack(Duration exposure) {
+  constexpr Duration kLatency = std::chrono::microseconds(60);
+  constexpr int kShare = 16;  // of the exposure
+  return kLatency + exposure / kShare;
+}
 
 bool strobe_allows(Duration width, Duration exposure) {
   return std::chrono::abs(width - exposure) <= strobe_slack(exposure);
+}
+
+// By how many stops an exposure that was measured to within so much may be longer.
+double stops_within(Duration within, Duration exposure) {
+  return std::log2(1 + to_seconds(within) / to_seconds(exposure));
 }
 
 // The first claim that states `value`; null for none.
@@ -229,16 +238,11 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     judgement.relabelled = !evidence.claims.empty();
   }
   judgement.within_ev = open_interval_ev(judgement.label.log_value());
-  if (evidence.strobe_width) {
-    const Duration time = judgement.label.exposure.time;
-    judgement.within_ev =
-        std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
-  }
-  if (evidence.pulse_within && is_best) {
-    const double time_s = to_seconds(judgement.label.exposure.time);
-    judgement.within_ev =
-        std::min(judgement.within_ev, std::log2(1 + to_seconds(*evidence.pulse_within) / time_s));
-  }
+  const Duration time = judgement.label.exposure.time;
+  if (evidence.strobe_width)
+    judgement.within_ev = std::min(judgement.within_ev, stops_within(strobe_slack(time), time));
+  if (evidence.pulse_within && is_best)
+    judgement.within_ev = std::min(judgement.within_ev, stops_within(*evidence.pulse_within, time));
   // Unanimous, but the neighbours are not trusted themselves.
   if (std::isinf(judgement.within_ev)) judgement.verdict = Verdict::Plausible;
   return judgement;
