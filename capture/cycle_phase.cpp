@@ -20,12 +20,17 @@ constexpr double kWorst = 16;            // what one step can cost at most: a cu
 constexpr double kAcceptedResidual = 5;  // mean, of a walk that the pictures support
 constexpr double kReference_s = 0.01;    // of an estimated cycle
 
+// The expected error of a step: of any, and a part of its ratio, ln.
+struct StepError {
+  double least, share;
+};
+constexpr StepError kMeasuredError{0.25, 0.2}, kRoughError{0.3, 0.5};
+
 // In expected errors, squared. No response stretches all ratios alike, so an error is a part of the ratio; of
 // how bright a picture is as a whole, little more than the sign and the order is sure.
 double cost_of(const CycleStep& step, double expected) {
-  const bool measured = step.kind == StepKind::Measured;
-  const double error = measured ? 0.25 + 0.2 * std::abs(expected) : 0.3 + 0.5 * std::abs(expected);
-  const double deviation = (step.log_ratio - expected) / error;
+  const StepError& error = step.kind == StepKind::Measured ? kMeasuredError : kRoughError;
+  const double deviation = (step.log_ratio - expected) / (error.least + error.share * std::abs(expected));
   return std::min(deviation * deviation, kWorst);
 }
 
@@ -100,9 +105,10 @@ Path best_path(std::span<const CycleStep> steps, std::span<const double> log_exp
 
 // Pictures that do not alternate are explained as well by no cycle at all.
 bool explains(const Path& path, std::span<const CycleStep> steps) {
+  constexpr double kMostOfNone = 0.5;  // of what no cycle costs
   double without = 0;
   for (const CycleStep& step : steps) without += cost_of(step, 0);
-  return path.cost < 0.5 * without;
+  return path.cost < kMostOfNone * without;
 }
 
 // What is known of a step is stretched, so its sign alone counts.
@@ -130,6 +136,14 @@ std::vector<double> around_mean(std::span<const double> to_next) {
   return log_exposures;
 }
 
+// The steps from each slot to the next, by the ratios that were seen of each.
+std::vector<double> medians(std::vector<std::vector<double>>& ratios) {
+  std::vector<double> to_next;
+  to_next.reserve(ratios.size());
+  for (auto& of_slot : ratios) to_next.push_back(median(of_slot));
+  return to_next;
+}
+
 // From the stretch of the clip that repeats best: a loss shifts the slots after it.
 std::vector<double> first_guess(std::span<const CycleStep> steps, std::size_t period) {
   const std::size_t window = std::min(steps.size(), 4 * period);
@@ -138,9 +152,7 @@ std::vector<double> first_guess(std::span<const CycleStep> steps, std::size_t pe
   for (std::size_t begin = 0; begin + window <= steps.size(); ++begin) {
     std::vector<std::vector<double>> ratios(period);
     for (std::size_t i = 0; i < window; ++i) ratios[i % period].push_back(steps[begin + i].log_ratio);
-    std::vector<double> to_next;
-    to_next.reserve(period);
-    for (auto& of_slot : ratios) to_next.push_back(median(of_slot));
+    const std::vector<double> to_next = medians(ratios);
     double deviation = 0;
     for (std::size_t i = 0; i < window; ++i)
       deviation += std::abs(steps[begin + i].log_ratio - to_next[i % period]);
@@ -158,10 +170,17 @@ std::vector<double> refined(std::span<const CycleStep> steps, std::span<const do
                to = static_cast<std::size_t>(path.walk.slots[i + 1]);
     if (to == (from + 1) % log_exposures.size()) ratios[from].push_back(steps[i].log_ratio);
   }
-  std::vector<double> to_next;
-  to_next.reserve(ratios.size());
-  for (auto& of_slot : ratios) to_next.push_back(median(of_slot));
-  return around_mean(to_next);
+  return around_mean(medians(ratios));
+}
+
+// After how many frames the exposures repeat; 0 where they do not.
+std::size_t period_of(const StepsByLag& steps) {
+  for (std::size_t lag = 1; lag <= steps.size(); ++lag) {
+    std::vector<double> sizes;
+    for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
+    if (!sizes.empty() && median(sizes) < kSameInFootage) return lag;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -201,12 +220,7 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
 
 Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
   constexpr int kRounds = 3;  // of refinement
-  std::size_t period = 0;
-  for (std::size_t lag = 1; lag <= steps.size() && period == 0; ++lag) {
-    std::vector<double> sizes;
-    for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
-    if (!sizes.empty() && median(sizes) < kSameInFootage) period = lag;
-  }
+  const std::size_t period = period_of(steps);
   if (period == 0)
     return Error{
         ErrorCode::BadExposure,
