@@ -14,6 +14,27 @@ PixelCodes codes_of(const StreamMode& mode, const CameraCapabilities& offers) {
   return codes;
 }
 
+// Of a camera that sets its exposures itself, which it must have; empty for others.
+Result<std::vector<Exposure>> cycle_of(const CameraCapabilities& offers) {
+  std::vector<Exposure> cycle;
+  if (offers.sets_exposure) return cycle;
+  for (const ExposureRequest& exposure : offers.cycle)
+    cycle.push_back({exposure.exposure, exposure.analogue_gain});
+  if (!cycle.empty() && cycle.size() <= ExposureSchedule::kMaxSlots) return cycle;
+  return Error{ErrorCode::Unsupported,
+               fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle of 1 to {} "
+                           "exposures; choose another camera, or read a recording without --pace realtime",
+                           offers.id, int{ExposureSchedule::kMaxSlots})};
+}
+
+Result<void> check_delays(const ControlDelays& delays) {
+  const auto [least, most] = std::minmax(delays.exposure, delays.gain);
+  if (least >= 0 && most <= kMaxDelay) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("control delays of {} and {} frames are out of range; give 0 to {}",
+                           delays.exposure, delays.gain, kMaxDelay)};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLine* strobe,
@@ -21,21 +42,9 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
                                                          const CaptureOptions& options) {
   const StreamMode mode = TRY(camera.configure(options.mode, options.buffers));
   const CameraCapabilities& offers = camera.capabilities();
-  std::vector<Exposure> walked;
-  for (const ExposureRequest& exposure : offers.cycle)
-    walked.push_back({exposure.exposure, exposure.analogue_gain});
-  if (!offers.sets_exposure && (walked.empty() || walked.size() > ExposureSchedule::kMaxSlots))
-    return Error{
-        ErrorCode::Unsupported,
-        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle of 1 to {} "
-                    "exposures; choose another camera, or read a recording without --pace realtime",
-                    offers.id, int{ExposureSchedule::kMaxSlots})};
+  const std::vector<Exposure> own_cycle = TRY(cycle_of(offers));
   for (const auto& delays : {options.delays, offers.delays})
-    if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
-                   std::max(delays->exposure, delays->gain) > kMaxDelay))
-      return Error{ErrorCode::Invalid,
-                   fmt::format("control delays of {} and {} frames are out of range; give 0 to {}",
-                               delays->exposure, delays->gain, kMaxDelay)};
+    if (delays) TRY(check_delays(*delays));
   if (options.trigger != nullptr && !offers.sets_exposure)
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' cannot be triggered: its frames come as they were recorded; leave out "
@@ -43,7 +52,7 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
                              offers.id)};
   const auto schedule =
       TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
-                               : ExposureSchedule::observed(walked));
+                               : ExposureSchedule::observed(own_cycle));
   if (options.trigger != nullptr)
     TRY(PulseTrain::check(options.trigger->options(), schedule, offers.exposure_step));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
@@ -207,9 +216,7 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
   }
 }
 
-Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
-  ++counters_.captured;
-  MatchedFrame matched = matcher_->match(buffer);
+void CaptureStage::count(const CapturedBuffer& buffer, const MatchedFrame& matched) {
   counters_.lost_by_camera += static_cast<std::uint64_t>(matched.lost_before);
   counters_.repeated_cookies += matched.cookie_repeated;
   counters_.unreported += !buffer.exposure;
@@ -217,6 +224,12 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   counters_.triggered += matched.pulse.has_value();
   counters_.pulses_forgotten += matched.pulse_forgotten;
   counters_.controls_late += buffer.control_late;
+}
+
+Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
+  ++counters_.captured;
+  const MatchedFrame matched = matcher_->match(buffer);
+  count(buffer, matched);
   lost_since_emitted_ += matched.lost_before + matched.left_out_before;
   trigger_.settle(buffer.timestamp);
   counters_.trigger = trigger_.counters();
@@ -272,7 +285,7 @@ void CaptureStage::look_at(const Image<std::uint16_t>& codes, const std::optiona
   }
 }
 
-void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
+void CaptureStage::judge(const CapturedBuffer& buffer, const MatchedFrame& matched, CapturedFrame& frame) {
   const std::optional<BlackLevel>& black = black_.stated(buffer.black_level);
   look_at(frame.raw.codes, black);
   frame.proof = proof_.judge(matched.evidence, picture_, photometer_);
@@ -280,7 +293,15 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   counters_.strobe_misfits +=
       matched.evidence.strobe_width && (frame.proof.strobe_refuses || !frame.proof.trusted());
   counters_.relocks = static_cast<std::uint64_t>(matcher_->relocks());
+  frame.shares = {picture_.clipped_share, picture_.dark_share};
+  frame.cookie = buffer.cookie;
+  set_facts(buffer, matched, black, frame);
+}
 
+// What the judgement says of the frame, whose codes are there. The verdict of exposures that a recording took
+// from its pictures is limited only now: its slot is that of the judgement.
+void CaptureStage::set_facts(const CapturedBuffer& buffer, const MatchedFrame& matched,
+                             const std::optional<BlackLevel>& black, CapturedFrame& frame) {
   const ExposureClaim& label = frame.proof.label;
   FrameFacts& facts = frame.raw.facts;
   facts = {};
@@ -301,8 +322,6 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
   if (matched.pulse && matched.pulse->late) facts.flags |= kFrameTriggerLate;
   frame.lost_before = lost_since_emitted_;
-  frame.cookie = buffer.cookie;
-  frame.shares = {picture_.clipped_share, picture_.dark_share};
   lost_since_emitted_ = 0;
 }
 

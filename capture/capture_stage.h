@@ -97,12 +97,15 @@ class CaptureStage {
   Result<void> drain_strobe();
   // The camera's next buffer. Errors: the camera's own.
   Result<CapturedBuffer> wait();
+  void count(const CapturedBuffer& buffer, const MatchedFrame& matched);
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
   int slot_for_light(const CapturedFrame& frame) const;
   void look_at(const Image<std::uint16_t>& codes, const std::optional<BlackLevel>& black);
-  void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
+  void judge(const CapturedBuffer& buffer, const MatchedFrame& matched, CapturedFrame& frame);
+  void set_facts(const CapturedBuffer& buffer, const MatchedFrame& matched,
+                 const std::optional<BlackLevel>& black, CapturedFrame& frame);
   void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                            FrameFacts& facts);
   int slot_of(const ExposureClaim& label) const;
