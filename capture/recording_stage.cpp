@@ -26,6 +26,24 @@ RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contr
       black_level_(black_level),
       labels_(recording_->camera()) {}
 
+RecordingStage::Waiting::Waiting(CapturedFrame frame) : frame_(std::move(frame)) {
+  constexpr std::uint16_t kMostOfAByte = 255;
+  Image<std::uint16_t>& codes = frame_.raw.codes;
+  if (std::ranges::any_of(codes.samples(), [](std::uint16_t code) { return code > kMostOfAByte; })) return;
+  bytes_.reshape(codes.channels(), codes.rows(), codes.cols());
+  std::ranges::transform(codes.samples(), bytes_.samples().begin(),
+                         [](std::uint16_t code) { return static_cast<std::uint8_t>(code); });
+  codes = {};
+}
+
+CapturedFrame RecordingStage::Waiting::restored() && {
+  if (!bytes_.empty()) {
+    frame_.raw.codes.reshape(bytes_.channels(), bytes_.rows(), bytes_.cols());
+    std::ranges::copy(bytes_.samples(), frame_.raw.codes.samples().begin());
+  }
+  return std::move(frame_);
+}
+
 bool RecordingStage::read(CapturedFrame& frame) {
   if (end_) return false;
   auto raw = recording_->next(std::move(frame.raw));
@@ -44,30 +62,14 @@ void RecordingStage::read_beginning() {
   for (CapturedFrame frame; static_cast<int>(frames.size()) < RecordedLabels::kBeginning && read(frame);)
     frames.push_back(std::move(frame));
   labels_.judge_beginning(frames);
-  for (; !frames.empty(); frames.pop_back()) {
-    Waiting& waiting = beginning_.emplace_back();
-    waiting.frame = std::move(frames.back());
-    Image<std::uint16_t>& codes = waiting.frame.raw.codes;
-    constexpr std::uint16_t kMostOfAByte = 255;
-    if (std::ranges::any_of(codes.samples(), [](std::uint16_t code) { return code > kMostOfAByte; }))
-      continue;
-    waiting.codes.reshape(codes.channels(), codes.rows(), codes.cols());
-    std::ranges::transform(codes.samples(), waiting.codes.samples().begin(),
-                           [](std::uint16_t code) { return static_cast<std::uint8_t>(code); });
-    codes = {};
-  }
+  for (; !frames.empty(); frames.pop_back()) beginning_.emplace_back(std::move(frames.back()));
 }
 
 Result<bool> RecordingStage::next(CapturedFrame& frame) {
   if (!begun_) read_beginning();
   if (!beginning_.empty()) {
-    Waiting waiting = std::move(beginning_.back());
+    frame = std::move(beginning_.back()).restored();
     beginning_.pop_back();
-    frame = std::move(waiting.frame);
-    if (!waiting.codes.empty()) {
-      frame.raw.codes.reshape(waiting.codes.channels(), waiting.codes.rows(), waiting.codes.cols());
-      std::ranges::copy(waiting.codes.samples(), frame.raw.codes.samples().begin());
-    }
   } else if (read(frame)) {
     labels_.judge(frame);
   } else {

@@ -42,6 +42,17 @@ class RecordingStage {
   std::vector<std::string> warnings() const;
 
  private:
+  // A frame that waits for the reader: its codes in bytes where they fit.
+  class Waiting {
+   public:
+    explicit Waiting(CapturedFrame frame);
+    CapturedFrame restored() &&;
+
+   private:
+    CapturedFrame frame_;
+    Image<std::uint8_t> bytes_;  // empty where frame_ has the codes
+  };
+
   void read_beginning();
   void count_gap(CapturedFrame& frame);
   void compare_exposure(const FrameFacts& facts);
@@ -52,12 +63,7 @@ class RecordingStage {
   const Contradiction contradiction_;
   const std::optional<BlackLevel> black_level_;
   RecordedLabels labels_;
-  // Judged together, the next one last. Codes that fit a byte wait in bytes.
-  struct Waiting {
-    CapturedFrame frame;
-    Image<std::uint8_t> codes;
-  };
-  std::vector<Waiting> beginning_;
+  std::vector<Waiting> beginning_;  // judged together, the next one last
   bool begun_ = false;
   std::optional<Result<bool>> end_;
   CaptureCounters counters_;
