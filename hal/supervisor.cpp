@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "hal/core/parse_number.h"
+#include "hal/descriptor.h"
 
 namespace hdrcam {
 namespace {
@@ -40,11 +41,10 @@ void Supervisor::tell(std::string_view lines) const {
   if (abstract) address.sun_path[0] = 0;
   const auto length =
       static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_.size() + (abstract ? 0 : 1));
-  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return;
-  (void)::sendto(fd, lines.data(), lines.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+  const Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket.is_open()) return;
+  (void)::sendto(socket.get(), lines.data(), lines.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                  reinterpret_cast<const sockaddr*>(&address), length);
-  ::close(fd);
 }
 
 }  // namespace hdrcam

@@ -22,17 +22,13 @@ namespace hdrcam {
 namespace fs = std::filesystem;
 
 Result<DeviceNode> DeviceNode::open(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return device_error(errno, path, "open it");
-  return DeviceNode(fd, path);
-}
-
-DeviceNode::~DeviceNode() {
-  if (fd_ >= 0) ::close(fd_);
+  Descriptor fd(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  if (!fd.is_open()) return device_error(errno, path, "open it");
+  return DeviceNode(std::move(fd), path);
 }
 
 int DeviceNode::ask(unsigned long request, void* argument) const {
-  while (::ioctl(fd_, request, argument) < 0)
+  while (::ioctl(fd(), request, argument) < 0)
     if (errno != EINTR) return errno;
   return 0;
 }
@@ -120,21 +116,20 @@ std::string how_to_get_permission(const std::string& path) {
   return "only root may open it; a udev rule can give it to a group";
 }
 
-WakeUp::WakeUp() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { HDRCAM_CHECK(fd_ >= 0); }
-WakeUp::~WakeUp() { ::close(fd_); }
+WakeUp::WakeUp() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { HDRCAM_CHECK(fd_.is_open()); }
 
 void WakeUp::set() {
   const std::uint64_t one = 1;
-  (void)!::write(fd_, &one, sizeof one);  // a full counter is set already
+  (void)!::write(fd_.get(), &one, sizeof one);  // a full counter is set already
 }
 
 void WakeUp::clear() {
   std::uint64_t count = 0;
-  (void)!::read(fd_, &count, sizeof count);
+  (void)!::read(fd_.get(), &count, sizeof count);
 }
 
 WakeUp::Ready WakeUp::sleep(int device, Duration at_most) const {
-  std::array<pollfd, 2> fds{{{fd_, POLLIN, 0}, {device, POLLIN, 0}}};
+  std::array<pollfd, 2> fds{{{fd_.get(), POLLIN, 0}, {device, POLLIN, 0}}};
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(at_most);
   const timespec patience{seconds.count(), (at_most - seconds).count()};
   (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);

@@ -9,6 +9,7 @@
 
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
+#include "hal/descriptor.h"
 
 namespace hdrcam {
 
@@ -17,15 +18,7 @@ class DeviceNode {
   // Opens for reading and writing, never blocking. NotFound, Permission, Busy, Unplugged.
   static Result<DeviceNode> open(const std::string& path);
 
-  DeviceNode(DeviceNode&& other) noexcept
-      : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
-  DeviceNode& operator=(DeviceNode&& other) noexcept {
-    std::swap(fd_, other.fd_), std::swap(path_, other.path_);
-    return *this;
-  }
-  ~DeviceNode();
-
-  int fd() const { return fd_; }
+  int fd() const { return fd_.get(); }
   const std::string& path() const { return path_; }
 
   // Repeats ioctl() while it is interrupted. Returns 0 or the errno.
@@ -34,9 +27,9 @@ class DeviceNode {
   Result<void> demand(unsigned long request, void* argument, const char* doing) const;
 
  private:
-  DeviceNode(int fd, std::string path) : fd_(fd), path_(std::move(path)) {}
+  DeviceNode(Descriptor fd, std::string path) : fd_(std::move(fd)), path_(std::move(path)) {}
 
-  int fd_ = -1;
+  Descriptor fd_;
   std::string path_;
 };
 
@@ -59,9 +52,6 @@ std::string how_to_get_permission(const std::string& path);
 class WakeUp {
  public:
   WakeUp();
-  ~WakeUp();
-  WakeUp(const WakeUp&) = delete;
-  WakeUp& operator=(const WakeUp&) = delete;
 
   void set();
   void clear();
@@ -75,7 +65,7 @@ class WakeUp {
   Ready sleep(int device, Duration at_most) const;
 
  private:
-  int fd_;
+  const Descriptor fd_;
 };
 
 }  // namespace hdrcam

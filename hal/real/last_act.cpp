@@ -49,24 +49,25 @@ Error cannot(const char* what) {
 Result<std::unique_ptr<LastAct>> LastAct::prepare(const std::string& name, const std::function<void()>& act) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return cannot("make a pipe to");
+  const Descriptor childs_end(ends[0]);
+  Descriptor own_end(ends[1]);
   sigset_t all, before;  // no signal may end the child before it ignores them
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
   const pid_t child = ::fork();
   if (child == 0) {
-    ::close(ends[1]);
-    wait_and_act(name, act, ends[0], before);
+    own_end = Descriptor();
+    wait_and_act(name, act, childs_end.get(), before);
   }
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  ::close(ends[0]);
-  if (child < 0) return ::close(ends[1]), cannot("start");
-  return std::unique_ptr<LastAct>(new LastAct(child, ends[1]));
+  if (child < 0) return cannot("start");
+  return std::unique_ptr<LastAct>(new LastAct(child, std::move(own_end)));
 }
 
 LastAct::~LastAct() {
   const char dismissed = 1;
-  (void)!::write(pipe_, &dismissed, 1);
-  ::close(pipe_);
+  (void)!::write(pipe_.get(), &dismissed, 1);
+  pipe_ = Descriptor();
   while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "hal/core/result.h"
+#include "hal/descriptor.h"
 
 namespace hdrcam {
 
@@ -23,10 +24,10 @@ class LastAct {
   LastAct& operator=(const LastAct&) = delete;
 
  private:
-  LastAct(pid_t child, int pipe) : child_(child), pipe_(pipe) {}
+  LastAct(pid_t child, Descriptor pipe) : child_(child), pipe_(std::move(pipe)) {}
 
   pid_t child_;
-  int pipe_;  // a byte dismisses the child; its end without one is the death of this process
+  Descriptor pipe_;  // a byte dismisses the child; its end without one is the death of this process
 };
 
 }  // namespace hdrcam

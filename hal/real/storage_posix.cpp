@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "hal/descriptor.h"
 #include "hal/standard_output.h"
 #include "hal/storage.h"
 
@@ -71,15 +72,17 @@ std::filesystem::path end_of_links(std::filesystem::path path) {
 
 class PosixFile : public StorageFile {
  public:
-  PosixFile(int fd, std::string path, bool streams = false)
-      : fd_(fd), path_(std::move(path)), streams_(streams) {}
-  ~PosixFile() override { ::close(fd_); }
+  // What is kept of a file's place: the offset that each call names, or where a stream has come to.
+  enum class Access { ByOffset, Stream };
+
+  PosixFile(Descriptor fd, std::string path, Access access = Access::ByOffset)
+      : fd_(std::move(fd)), path_(std::move(path)), streams_(access == Access::Stream) {}
 
   Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
     std::size_t done = 0;
     while (done < bytes.size()) {
       const ssize_t n =
-          ::pread(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+          ::pread(fd_.get(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return error_of(errno, "read", path_);
       if (n == 0) break;
@@ -105,18 +108,18 @@ class PosixFile : public StorageFile {
 
   Result<std::uint64_t> size() override {
     struct stat status {};
-    if (::fstat(fd_, &status) != 0) return error_of(errno, "read", path_);
+    if (::fstat(fd_.get(), &status) != 0) return error_of(errno, "read", path_);
     if (S_ISDIR(status.st_mode)) return error_of(EISDIR, "read", path_);
     return static_cast<std::uint64_t>(status.st_size);
   }
 
   Result<void> sync() override {
-    if (::fdatasync(fd_) != 0 && errno != EINVAL) return error_of(errno, "sync", path_);
+    if (::fdatasync(fd_.get()) != 0 && errno != EINVAL) return error_of(errno, "sync", path_);
     return {};
   }
 
   Result<void> hold() override {
-    if (::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return {};
+    if (::flock(fd_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return {};
     return Error{
         ErrorCode::Busy,
         fmt::format("'{}' is being written by another program; wait until it ends, or name another file",
@@ -127,25 +130,25 @@ class PosixFile : public StorageFile {
   // A FIFO or a terminal has no offsets: bytes are written in order.
   ssize_t write_some(std::uint64_t offset, std::span<const std::byte> bytes) {
     if (!streams_) {
-      const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      const ssize_t n = ::pwrite(fd_.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (n >= 0 || errno != ESPIPE) return n;
       streams_ = true;
     }
     if (offset != streamed_) return errno = ESPIPE, -1;
-    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    const ssize_t n = ::write(fd_.get(), bytes.data(), bytes.size());
     if (n > 0) streamed_ += static_cast<std::uint64_t>(n);
     return n;
   }
 
   // Whoever started the program may have given it a pipe or a terminal that does not block.
   void wait_for_room() const {
-    pollfd full{fd_, POLLOUT, 0};
+    pollfd full{fd_.get(), POLLOUT, 0};
     (void)::poll(&full, 1, -1);
   }
 
-  int fd_;
+  const Descriptor fd_;
   std::string path_;
-  bool streams_;
+  bool streams_;  // also once a file shows that it has no offsets
   std::uint64_t streamed_ = 0;
 };
 
@@ -213,8 +216,8 @@ class PosixStorage : public Storage {
 
  private:
   static Result<std::unique_ptr<StorageFile>> opened(const std::string& path, int flags, const char* what) {
-    const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-    if (fd < 0) {
+    Descriptor fd(::open(path.c_str(), flags | O_CLOEXEC, 0666));
+    if (!fd.is_open()) {
       if (errno == ENOENT && (flags & O_CREAT) != 0) {
         std::error_code ignored;
         const bool there =
@@ -226,14 +229,15 @@ class PosixStorage : public Storage {
       }
       return error_of(errno, what, path);
     }
-    return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(fd, path));
+    return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(std::move(fd), path));
   }
 };
 
 }  // namespace
 
 std::unique_ptr<StorageFile> standard_output() {
-  return std::make_unique<PosixFile>(::dup(STDOUT_FILENO), "the standard output", true);
+  return std::make_unique<PosixFile>(Descriptor(::dup(STDOUT_FILENO)), "the standard output",
+                                     PosixFile::Access::Stream);
 }
 
 Storage& posix_storage() {

@@ -5,7 +5,6 @@
 #include <linux/videodev2.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -35,26 +34,18 @@ struct BufferCall {
   std::size_t bytes_used() const { return multi_planar() ? planes[0].bytesused : buffer.bytesused; }
 };
 
-void close_if_open(int& fd) {
-  if (fd >= 0) ::close(fd);
-  fd = -1;
-}
-
 }  // namespace
 
 V4l2Stream::~V4l2Stream() { release(); }
 
+void V4l2Stream::Unmap::operator()(std::byte* memory) const { ::munmap(memory, bytes); }
+
 void V4l2Stream::release() {
-  for (Buffer& buffer : buffers_) {
-    if (!buffer.memory.empty()) ::munmap(buffer.memory.data(), buffer.memory.size());
-    close_if_open(buffer.dmabuf_fd), close_if_open(buffer.request_fd);
-  }
-  if (!buffers_.empty()) {
-    v4l2_requestbuffers none{};
-    none.type = queue_type_, none.memory = V4L2_MEMORY_MMAP;
-    (void)video_.ask(VIDIOC_REQBUFS, &none);
-  }
+  if (buffers_.empty()) return;
   buffers_.clear();
+  v4l2_requestbuffers none{};
+  none.type = queue_type_, none.memory = V4L2_MEMORY_MMAP;
+  (void)video_.ask(VIDIOC_REQBUFS, &none);
 }
 
 Result<void> V4l2Stream::allocate(int buffers) {
@@ -77,20 +68,22 @@ Result<void> V4l2Stream::map(int index) {
       ::mmap(nullptr, call.length(), PROT_READ | PROT_WRITE, MAP_SHARED, video_.fd(), call.offset());
   if (memory == MAP_FAILED) return device_error(errno, video_.path(), "map its buffers");
   Buffer& buffer = buffers_[static_cast<std::size_t>(index)];
-  buffer.memory = {static_cast<std::byte*>(memory), call.length()};
+  buffer.memory = {static_cast<std::byte*>(memory), Unmap{call.length()}};
   v4l2_exportbuffer exported{};
   exported.type = queue_type_, exported.index = static_cast<std::uint32_t>(index),
   exported.flags = O_CLOEXEC | O_RDONLY;
-  if (video_.ask(VIDIOC_EXPBUF, &exported) == 0) buffer.dmabuf_fd = exported.fd;
+  if (video_.ask(VIDIOC_EXPBUF, &exported) == 0) buffer.dmabuf = Descriptor(exported.fd);
   return {};
 }
 
 // A request left over from a stopped stream is not usable: every start makes new ones.
 Result<void> V4l2Stream::make_requests() {
   for (Buffer& buffer : buffers_) {
-    close_if_open(buffer.request_fd);
-    if (media_ != nullptr)
-      TRY(media_->demand(MEDIA_IOC_REQUEST_ALLOC, &buffer.request_fd, "make media requests"));
+    buffer.request = Descriptor();
+    if (media_ == nullptr) continue;
+    int fd = -1;
+    TRY(media_->demand(MEDIA_IOC_REQUEST_ALLOC, &fd, "make media requests"));
+    buffer.request = Descriptor(fd);
   }
   return {};
 }

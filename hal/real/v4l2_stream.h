@@ -5,11 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "hal/camera.h"
+#include "hal/descriptor.h"
 #include "hal/real/device_node.h"
 
 namespace hdrcam {
@@ -27,12 +29,13 @@ class V4l2Stream {
   Result<void> allocate(int buffers);
   int buffers() const { return static_cast<int>(buffers_.size()); }
   std::span<const std::byte> memory(int index) const {
-    return buffers_[static_cast<std::size_t>(index)].memory;
+    const auto& memory = buffers_[static_cast<std::size_t>(index)].memory;
+    return {memory.get(), memory.get_deleter().bytes};
   }
-  int dmabuf_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].dmabuf_fd; }
+  int dmabuf_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].dmabuf.get(); }
   // This buffer's media request; -1 where there is none. It holds the controls of its last frame until
   // renew().
-  int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request_fd; }
+  int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request.get(); }
 
   // As the driver's queue reports them, once buffers are allocated.
   bool takes_requests() const { return media_ != nullptr; }
@@ -54,9 +57,13 @@ class V4l2Stream {
   Result<std::optional<Filled>> dequeue();
 
  private:
+  struct Unmap {
+    std::size_t bytes;
+    void operator()(std::byte* memory) const;
+  };
   struct Buffer {
-    std::span<std::byte> memory;
-    int dmabuf_fd = -1, request_fd = -1;
+    std::unique_ptr<std::byte, Unmap> memory;
+    Descriptor dmabuf, request;
   };
   Result<void> map(int index);
   Result<void> make_requests();
