@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "capture/edge_errors.h"
 #include "capture/trigger_ledger.h"
 #include "capture/trigger_thread.h"
 #include "hal/fault/faulty_trigger_line.h"
