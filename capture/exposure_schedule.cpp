@@ -98,8 +98,6 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
       if (!slot.flickers) slot.exposure.time = nearest_multiple(asked.time, half, longest);
     }
     slot.exposure = TRY(quantised(slot.exposure, camera));
-    schedule.shortest_frame_duration_ =
-        std::max(schedule.shortest_frame_duration_, slot.exposure.time + margin);
     exposures.push_back(slot.exposure);
     schedule.slots_.push_back(slot);
   }
@@ -110,10 +108,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
 Result<ExposureSchedule> ExposureSchedule::observed(std::span<const Exposure> cycle) {
   TRY(check_slots(cycle));
   ExposureSchedule schedule;
-  for (const Exposure& exposure : cycle) {
-    schedule.slots_.push_back({exposure, exposure, false});
-    schedule.shortest_frame_duration_ = std::max(schedule.shortest_frame_duration_, exposure.time);
-  }
+  for (const Exposure& exposure : cycle) schedule.slots_.push_back({exposure, exposure, false});
   return schedule;
 }
 
@@ -132,12 +127,6 @@ int ExposureSchedule::nearest_slot(const Exposure& exposure) const {
     if (distance(i) < distance(nearest)) nearest = i;
   for (int i = 0; i < slots(); ++i) equals += distance(i) == distance(nearest) ? 1 : 0;
   return equals == 1 ? nearest : -1;
-}
-
-double ExposureSchedule::reference_exposure() const {
-  double sum = 0;
-  for (int i = 0; i < slots(); ++i) sum += log_product(slot(i).exposure);
-  return std::exp(sum / slots());
 }
 
 }  // namespace hdrcam

@@ -58,14 +58,8 @@ class ExposureSchedule {
   const Exposure& exposure_of(std::uint64_t request) const { return slot(slot_of(request)).exposure; }
   Cycle cycle() const;  // the exposures of all slots
 
-  // The shortest frame duration that fits the longest exposure and the sensor's margin.
-  Duration shortest_frame_duration() const { return shortest_frame_duration_; }
-  // Geometric mean of the products, seconds x gain: E_ref of a clip taken with this cycle.
-  double reference_exposure() const;
-
  private:
   InlineList<Slot, kMaxSlots> slots_;
-  Duration shortest_frame_duration_{0};
 };
 
 }  // namespace hdrcam
