@@ -15,28 +15,60 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Which pixels of a box are compared: the green ones of a mosaic, all of a plane.
+// Which pixels of a box are measured: the green ones of a mosaic, all of a plane.
 struct Greens {
-  int parity = -1;  // of x + y; -1: all
+  int channel = 0;
+  int step = 1;    // from one to the next in a row
+  int parity = 0;  // of x + y of the first, where they are every second one
 };
 Greens greens(PixelLayout layout) {
   switch (layout) {
     case PixelLayout::BayerRggb:
     case PixelLayout::BayerBggr:
-      return {1};
+      return {0, 2, 1};
     case PixelLayout::BayerGrbg:
     case PixelLayout::BayerGbrg:
-      return {0};
+      return {0, 2, 0};
     case PixelLayout::Rgb:
+      return {.channel = 1};
     case PixelLayout::Mono:
       break;
   }
   return {};
 }
 
+struct Box {
+  int y = 0, x = 0, side = 0;
+};
+struct BoxCodes {
+  int sum = 0, count = 0, clipped = 0;
+
+  float mean() const { return static_cast<float>(sum) / static_cast<float>(count); }
+  // One pixel in sixteen, and the mean is no measure of the light.
+  bool is_clipped() const { return clipped * 16 > count; }
+};
+BoxCodes codes_in(const Image<std::uint16_t>& codes, const Greens& green, const Box& box,
+                  std::uint16_t clipped) {
+  BoxCodes found;
+  for (int y = box.y; y < box.y + box.side; ++y) {
+    const std::uint16_t* row = codes.row(green.channel, y);
+    const int first = green.step == 1 ? 0 : (y + green.parity) & 1;
+    for (int x = box.x + first; x < box.x + box.side; x += green.step) {
+      found.sum += row[x], ++found.count;
+      found.clipped += row[x] >= clipped;
+    }
+  }
+  return found;
+}
+
+// Of the i-th of `count` boxes that are spread over `extent` pixels: even, which keeps the mosaic's phase.
+int box_begin(int i, int count, int extent, int box) {
+  return i * (extent - box) / std::max(1, count - 1) / 2 * 2;
+}
+
 // Standard deviation of the scene's ln radiance.
 double spread_of(const PhotometricSignature& signature) {
-  constexpr double kUnknown = 2, kQuartiles = 0.7413;
+  constexpr double kUnknown = 2, kQuartiles = 0.7413;  // of normal values over the width of their quartiles
   const auto sites = static_cast<std::size_t>(signature.sites);
   const double width = signature.by_rank[sites * 3 / 4] - signature.by_rank[sites / 4];
   return std::isfinite(width) ? kQuartiles * width : kUnknown;
@@ -52,8 +84,7 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   const int cell =
       std::min(codes.rows() / std::max(1, signature.rows), codes.cols() / std::max(1, signature.cols));
   const int box = std::min(kMostBox, cell / 2 * 2);
-  const int channel = layout == PixelLayout::Rgb ? 1 : 0;
-  const int parity = greens(layout).parity;
+  const Greens green = greens(layout);
   const float to_255 = 255.f / static_cast<float>((1 << bits) - 1);
   const auto clipped = static_cast<std::uint16_t>(clip_policy::kPhotometryClipped / to_255);
 
@@ -61,21 +92,13 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   std::size_t site = 0;
   int clipped_sites = 0, dark_sites = 0;
   for (int j = 0; j < signature.rows; ++j) {
-    const int y0 = j * (codes.rows() - box) / std::max(1, signature.rows - 1) / 2 * 2;
+    const int y0 = box_begin(j, signature.rows, codes.rows(), box);
     for (int i = 0; i < signature.cols; ++i, ++site) {
-      const int x0 = i * (codes.cols() - box) / std::max(1, signature.cols - 1) / 2 * 2;
-      int sum = 0, count = 0, cut = 0;
-      for (int y = y0; y < y0 + box; ++y) {
-        const std::uint16_t* row = codes.row(channel, y);
-        const int step = parity < 0 ? 1 : 2;
-        for (int x = x0 + (parity < 0 ? 0 : (y + parity) & 1); x < x0 + box; x += step) {
-          sum += row[x], ++count;
-          cut += row[x] >= clipped;
-        }
-      }
-      const float code = static_cast<float>(sum) / static_cast<float>(count) * to_255;
+      const int x0 = box_begin(i, signature.cols, codes.cols(), box);
+      const BoxCodes found = codes_in(codes, green, {y0, x0, box}, clipped);
+      const float code = found.mean() * to_255;
       signature.darkest_code = std::min(signature.darkest_code, code);
-      const float value = cut * 16 > count ? kInfinity : response_.log_exposure(code);
+      const float value = found.is_clipped() ? kInfinity : response_.log_exposure(code);
       signature.at_site[site] = value;
       clipped_sites += value == kInfinity, dark_sites += value == -kInfinity;
     }
@@ -119,7 +142,8 @@ std::optional<Photometer::Centre> Photometer::ratio_by_rank(const PhotometricSig
     const float difference = b.by_rank[rank] - a.by_rank[rank];
     if (std::isfinite(difference)) scratch_[static_cast<std::size_t>(count++)] = difference;
   }
-  if (count < 5) return std::nullopt;
+  constexpr int kLeast = 5;
+  if (count < kLeast) return std::nullopt;
   // The errors of neighbouring ranks are correlated, and content that enters the picture moves all of them,
   // so averaging helps little.
   return centre(count, 2);
