@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace hdrcam {
@@ -12,7 +13,8 @@ DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& long
     : exposures_{shorter, longer},
       log_step_(log_product(longer) - log_product(shorter)),
       photometer_(response) {
-  HDRCAM_CHECK_LE(0.69, log_step_);
+  constexpr double kRounding = 0.004;  // of exposures to what the sensor can do
+  HDRCAM_CHECK_LE(std::numbers::ln2 - kRounding, log_step_);
 }
 
 // The shift register of x^5 + x^2 + 1.

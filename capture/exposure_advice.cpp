@@ -7,10 +7,12 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kMostClipped = 0.01f;  // of the shortest exposure: lamps and the sun itself
-constexpr float kNoneClipped = 0.001f;
-constexpr float kMostDark = 0.05f;  // of the longest exposure
-constexpr float kNoneDark = 0.005f;
+// Shares of the picture of the shortest exposure: what lamps and the sun itself may clip, what counts as
+// nothing, and from where on it is too dark to be of use.
+constexpr float kMostClipped = 0.01f, kNoneClipped = 0.001f, kAllDark = 0.9f;
+// Of the longest exposure: likewise of the dark; where nearly all is clipped, more light adds nothing, and
+// where much is, less light loses nothing.
+constexpr float kMostDark = 0.05f, kNoneDark = 0.005f, kAllClipped = 0.9f, kMuchClipped = 0.6f;
 constexpr float kStep = 1;            // stops
 constexpr double kClosest_stops = 1;  // of two neighbours in the cycle
 
@@ -18,13 +20,13 @@ constexpr double kClosest_stops = 1;  // of two neighbours in the cycle
 // the same frame suffers, it moves back by a smaller step.
 float shortest_stops(const SlotShares& shares) {
   if (shares.clipped > kMostClipped) return -kStep;
-  if (shares.clipped < kNoneClipped && shares.dark > 0.9f) return kStep / 2;
+  if (shares.clipped < kNoneClipped && shares.dark > kAllDark) return kStep / 2;
   return 0;
 }
 
 float longest_stops(const SlotShares& shares) {
-  if (shares.dark > kMostDark && shares.clipped < 0.9f) return kStep;
-  if (shares.dark < kNoneDark && shares.clipped > 0.6f) return -kStep / 2;
+  if (shares.dark > kMostDark && shares.clipped < kAllClipped) return kStep;
+  if (shares.dark < kNoneDark && shares.clipped > kMuchClipped) return -kStep / 2;
   return 0;
 }
 
