@@ -8,6 +8,7 @@ namespace hdrcam {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr std::uint64_t kPathStream = 0x70617468;
 constexpr CameraMove kMoves[] = {CameraMove::Still, CameraMove::Handheld, CameraMove::Pan, CameraMove::Dolly,
                                  CameraMove::Orbit};
 
@@ -71,16 +72,17 @@ std::optional<CameraMove> camera_move_of(std::string_view wanted) {
 }
 
 float CameraPath::Tremble::at(double time_s) const {
+  constexpr double kMost = 1 + 0.5 + 1.0 / 3;  // of the waves, each of which has 1 / its number
   double sum = 0;
   for (std::size_t i = 0; i < frequency_hz.size(); ++i)
     sum += std::sin(kTurn * frequency_hz[i] * time_s + phase_rad[i]) / static_cast<double>(1 + i);
-  return static_cast<float>(sum / (1 + 0.5 + 1.0 / 3));
+  return static_cast<float>(sum / kMost);
 }
 
 CameraPath::CameraPath(CameraMove move, std::uint64_t seed, float scale_m, float speed)
     : move_(move), scale_(scale_m), speed_(speed) {
   for (std::size_t i = 0; i < trembles_.size(); ++i) {
-    const CounterRandom random(seed, 0x70617468, i);
+    const CounterRandom random(seed, kPathStream, i);
     for (std::size_t k = 0; k < 3; ++k) {
       trembles_[i].frequency_hz[k] = random.uniform(2 * k, 0.6f, 4.2f);
       trembles_[i].phase_rad[k] = random.uniform(2 * k + 1) * kTurn;

@@ -93,6 +93,8 @@ int dominant_axis(Vec3 p) {
 // The texture coordinates, in metres over the surface.
 Vec2 unrolled(const SceneObject& object, const Hit& hit) {
   constexpr float kFaceShift_m = 0.37f;  // so that faces differ
+  // Of a ball's radius: half the arc of a face of the cube that it is the inflation of.
+  constexpr float kHalfArc = 0.785f;
   Vec3 p = hit.point;
   switch (object.shape) {
     case Shape::Panel:
@@ -100,7 +102,7 @@ Vec2 unrolled(const SceneObject& object, const Hit& hit) {
     case Shape::Ground:
       return {p.x, p.z};
     case Shape::Ball:
-      p = p * (0.785f * object.half_size_m.x / std::abs(along(p, hit.part / 2)));
+      p = p * (kHalfArc * object.half_size_m.x / std::abs(along(p, hit.part / 2)));
       break;
     case Shape::Box:
     case Shape::Dome:
@@ -240,14 +242,16 @@ Colour View::radiance(const Hit& hit, float footprint) const {
   const Vec2 place = unrolled(object, hit);
   const Seen& seen = seen_[static_cast<std::size_t>(hit.object)];
   const Vec3 to_eye = seen.shrunk_eye - hit.point;
-  const float away = length(to_eye), facing = std::max(0.05f * away, dot(to_eye, hit.normal));
+  constexpr float kFlattest = 0.05f;  // cosine: flatter views are filtered like this one
+  const float away = length(to_eye), facing = std::max(kFlattest * away, dot(to_eye, hit.normal));
   const float side = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / seen.size;
   const float texels = side * side * away / facing;
   const Texture& texture = scene_->textures[static_cast<std::size_t>(object.texture)];
   const Colour colour =
       texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
   if (object.surface == Surface::Radiant) return colour * (object.gain * scene_->radiance_scale);
-  const auto albedo = [](float c) { return c / (c + 0.6f); };
+  constexpr float kHalfWhite = 0.6f;  // the texture's radiance that becomes an albedo of 0.5
+  const auto albedo = [](float c) { return c / (c + kHalfWhite); };
   return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) *
          scene_->radiance_scale;
 }
@@ -260,7 +264,8 @@ Colour View::lit(const Hit& hit, Colour albedo) const {
   Colour light = scene_->ambient + scene_->from_above * std::max(0.f, -normal.y);
   for (const Light& lamp : lights_) {
     const Vec3 to_lamp = lamp.position - place;
-    const float squared = std::max(1e-4f, dot(to_lamp, to_lamp));
+    constexpr float kNearestSquared_m2 = 1e-4f;
+    const float squared = std::max(kNearestSquared_m2, dot(to_lamp, to_lamp));
     const float cosine = dot(to_lamp, normal) / std::sqrt(squared);
     if (cosine > 0) light = light + lamp.power * (cosine / squared);
   }
