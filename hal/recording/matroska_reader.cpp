@@ -177,6 +177,7 @@ class MatroskaReader : public RecordingReader {
   Advance advance();
   Advance read_pair();
   Advance prove(std::string_view text);
+  void begin_search(const std::string& damage);
   Advance search();
   Advance prove_found(const FoundCluster& found);
   Error corrupt(const std::string& what) const;
@@ -247,15 +248,7 @@ MatroskaReader::Advance MatroskaReader::advance() {
   }
   Advance step = scan_ ? search() : read_pair();
   if (!step && step.error().code == ErrorCode::Corrupt && damage_ == Damage::IsSkipped && !scan_) {
-    const std::uint64_t frame_bytes =
-        std::uint64_t{2} * static_cast<std::uint64_t>(channels(camera_.layout)) *
-        static_cast<std::uint64_t>(camera_.width) * static_cast<std::uint64_t>(camera_.height);
-    constexpr std::uint64_t kFactsBytes = 1 << 20;
-    scan_.emplace(container_.stream->file(),
-                  static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_at_)),
-                  std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX));
-    const std::string what = step.error().message;
-    left_out_.reason = what.substr(std::min(what.size(), what.rfind(": ") + 2));
+    begin_search(step.error().message);
     step = search();
   }
   if (!step || !step.value()) last_ = step;
@@ -301,6 +294,17 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   return std::optional<FrameFacts>(record->facts);
 }
 
+// From the last whole frame on.
+void MatroskaReader::begin_search(const std::string& damage) {
+  const std::uint64_t frame_bytes = std::uint64_t{2} * static_cast<std::uint64_t>(channels(camera_.layout)) *
+                                    static_cast<std::uint64_t>(camera_.width) *
+                                    static_cast<std::uint64_t>(camera_.height);
+  constexpr std::uint64_t kFactsBytes = 1 << 20;  // at most; a picture takes less than twice its codes
+  scan_.emplace(container_.stream->file(), static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_at_)),
+                std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX));
+  left_out_.reason = damage.substr(std::min(damage.size(), damage.rfind(": ") + 2));
+}
+
 // The next whole frame of a damaged file, whatever lies between.
 MatroskaReader::Advance MatroskaReader::search() {
   for (;;) {
@@ -328,8 +332,7 @@ MatroskaReader::Advance MatroskaReader::prove_found(const FoundCluster& found) {
   leave_out(frames_, read.index, left_out_.reason);
   if (read.is_end) return scan_found_end_ = true, std::optional<FrameFacts>();
   if (read.index < frames_) return std::optional<FrameFacts>();
-  frames_ = read.index;
-  ++frames_;
+  frames_ = read.index + 1;
   if (const auto objection = objection_to(read.facts, before_ ? &*before_ : nullptr)) {
     leave_out(read.index, frames_, *objection);
     return std::optional<FrameFacts>();
