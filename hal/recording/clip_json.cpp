@@ -191,16 +191,7 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   return camera;
 }
 
-// before: the frame before it, or null.
-Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path, int bits,
-                           const ClipFrame* before) {
-  ClipFrame frame;
-  const Fields unnamed(json, fmt::format("'{}': frame {}", path, index));
-  frame.file = TRY(unnamed.text("file"));
-  if (frame.file.find('\0') != std::string::npos)
-    return unnamed.wrong("file", "no file has a name with a NUL in it");
-  const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
-  FrameFacts& facts = frame.facts;
+Result<void> take_exposure(const Fields& fields, FrameFacts& facts) {
   if (fields.has("exposure_source")) {
     const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
     if (!source)
@@ -212,12 +203,31 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   facts.exposure_s = TRY(fields.exposure_factor("exposure_s", facts.exposure_source));
   facts.analogue_gain = TRY(fields.exposure_factor("gain", facts.exposure_source, 1));
   facts.digital_gain = TRY(fields.exposure_factor("digital_gain", facts.exposure_source, 1));
+  return {};
+}
+
+// Of the centre of the exposure; in nanoseconds where seconds do not hold it exactly.
+Result<Instant> timestamp_of(const Fields& fields) {
   const double time_s = TRY(fields.number("time_s"));
   if (!(std::abs(time_s) < kLatest_s))
     return fields.wrong("time_s", "it is the centre of the exposure in seconds");
-  facts.timestamp = Instant::from_seconds(time_s);
   if (fields.has("timestamp_ns"))
-    facts.timestamp.since_boot = Duration(TRY(fields.integer<Duration::rep>("timestamp_ns")));
+    return Instant{Duration(TRY(fields.integer<Duration::rep>("timestamp_ns")))};
+  return Instant::from_seconds(time_s);
+}
+
+// before: the frame before it, or null.
+Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path, int bits,
+                           const ClipFrame* before) {
+  ClipFrame frame;
+  const Fields unnamed(json, fmt::format("'{}': frame {}", path, index));
+  frame.file = TRY(unnamed.text("file"));
+  if (frame.file.find('\0') != std::string::npos)
+    return unnamed.wrong("file", "no file has a name with a NUL in it");
+  const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
+  FrameFacts& facts = frame.facts;
+  TRY(take_exposure(fields, facts));
+  facts.timestamp = TRY(timestamp_of(fields));
   facts.sequence = TRY(fields.integer<std::uint64_t>("sequence", index));
   if (fields.has("readout_s")) facts.readout_s = TRY(fields.number("readout_s"));
   facts.slot = TRY(fields.integer<int>("slot", -1));
