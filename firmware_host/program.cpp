@@ -61,7 +61,7 @@ constexpr ListedVerb kVerbs[] = {
 
 constexpr const char* kAbout =
     "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, "
-    "middle and\n"
+    "medium and\n"
     "long in turn, and every one of them leaves as a scene-linear HDR frame of the same instant.";
 
 std::string exit_code_text() {

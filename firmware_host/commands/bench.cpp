@@ -151,7 +151,8 @@ void add_bench_kernels(CommandLine bench, Verb& chosen) {
 
 void add_bench(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<BenchFlags>();
-  CommandLine bench = program.add_verb("bench", "measure what accuracy costs in time on this machine");
+  CommandLine bench = program.add_verb(
+      "bench", "measure what accuracy costs in time, and how fast each kernel is, on this machine");
   bench.require_verb();
   add_bench_kernels(bench, chosen);
   CommandLine verb = bench.add_verb(

@@ -288,7 +288,7 @@ void add_import(CommandLine program, Verb& chosen) {
       "--shutter", footage.shutter,
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
       "relative [as EXIF states them]");
-  verb.add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
+  verb.add_option("--gain", footage.gain, "gain of each exposure, ISO / 100, or one for all [1]");
   verb.add_option(
           "--framerate", footage.framerate_hz,
           "frames per second of stills [when EXIF says they were taken, else 30] and of a video without "

@@ -64,7 +64,8 @@ void print_json(const std::vector<FoundDevice>& devices) {
 
 void add_list(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<ListFlags>();
-  CommandLine verb = program.add_verb("list", "show cameras and sync lines, and what is missing for each");
+  CommandLine verb =
+      program.add_verb("list", "show cameras, GPIO lines and graphics devices, and what is missing for each");
   verb.add_switch("--json", flags->json, "as JSON, for programs");
   verb.add_switch("--verbose", flags->verbose, "show libcamera's log");
   verb.on_chosen([flags, &chosen] {

@@ -222,7 +222,7 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
           "--view", options.view,
           "where the camera stands, as the recorded one sees it: dx,dy,dz to the right, down and forward "
           "(in metres where the recording has poses, else 1 is the median depth of its first frame), then "
-          "perhaps yaw,pitch,roll in degrees, to the right, up and clockwise: 0.1,0,0 or 0.1,0,0,-5,0,0")
+          "optionally yaw,pitch,roll in degrees, to the right, up and clockwise: 0.1,0,0 or 0.1,0,0,-5,0,0")
       .group(kGroup);
   verb.add_option(
           "--path", options.path,
@@ -239,8 +239,9 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
       .group(kGroup);
   verb.add_option("--framerate", options.framerate_hz, "frames per second of the film [the recording's]")
       .group(kGroup);
-  verb.add_option("--shutter-angle", options.shutter_deg,
-                  "motion blur put back: the exposure, in degrees of 360 of a film frame's time [0: sharp]")
+  verb.add_option(
+          "--shutter-angle", options.shutter_deg,
+          "motion blur added again: the exposure in degrees, 360 being a film frame's interval [0: sharp]")
       .group(kGroup);
   verb.add_switch("--ldr", options.ldr,
                   "8-bit pictures as the camera would have taken them, by its estimated response")
@@ -253,9 +254,8 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
                   "pixels: 1280x720; the scene is cropped to fill it [the recording's]")
       .group(kGroup);
   verb.add_option("--stereo", options.stereo,
-                  "two pictures side by side, left and right, this far apart: 63mm where the recording has "
-                  "poses, else "
-                  "0.02")
+                  "pictures of the left and right eye side by side, the eyes this far apart: 63mm where the "
+                  "recording has poses, else 0.02, in the unit of --view")
       .group(kGroup);
   verb.add_switch("--stabilize", options.stabilize, "take the shake out of the recorded camera's path")
       .group(kGroup);

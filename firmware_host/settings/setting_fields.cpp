@@ -295,17 +295,17 @@ SettingField deadline_field() {
   SettingField field = any<&Settings::fit, &Settings::Fit::deadline>(
       "fit.deadline", "--deadline",
       "time for the work on a frame; to hold it, quality is shed, then HDR frames, never captured ones",
-      "the frame interval of a camera, none of a recording");
+      "the frame interval of a camera, none for a recording");
   field.type = SettingType::TimeOrOff;
   return field;
 }
 
 SettingField readout_field() {
-  SettingField field = any<&Settings::fit, &Settings::Fit::readout>(
-      "fit.readout", "--readout",
-      "time between the exposures of the first and the last row, whose skew is then taken out of what moves "
-      "(rolling shutter correction)",
-      "as the camera or the recording states it");
+  SettingField field =
+      any<&Settings::fit, &Settings::Fit::readout>("fit.readout", "--readout",
+                                                   "read-out time of a rolling shutter, from the first row's "
+                                                   "exposure to the last one's; its skew is corrected",
+                                                   "as the camera or the recording states it");
   field.type = SettingType::TimeOrOff;
   return field;
 }
@@ -374,7 +374,8 @@ std::vector<SettingField> video_fields() {
           "video.peak", "--peak",
           "peak luminance of HDR videos, cd/m2; brighter light is compressed below it", {100, 10000, {}}),
       number<kGroup, &V::crf>("video.crf", "--crf",
-                              "constant rate factor of videos: less is better and larger", {0, 51, {}}),
+                              "constant rate factor of videos: a lower one is better and takes more space",
+                              {0, 51, {}}),
       choice<kGroup, &V::pipe>(
           "video.pipe_format", "--pipe-format",
           "format of frames on the standard output: uncompressed video, or bare half-float RGB radiance",
@@ -451,9 +452,10 @@ std::vector<SettingField> machine_fields() {
       number<kGroup, &M::memory_mib>("machine.memory_mib", "--memory",
                                      "most memory that the run may need, MiB, estimated before it starts",
                                      {64, 1 << 24, 0}, "half of the machine's"),
-      choice<kGroup, &M::log_format>("machine.log_format", "--log-format",
-                                     "of progress, remarks and errors: text, or one JSON object a line",
-                                     {{"text", LogFormat::Text}, {"json", LogFormat::Json}}),
+      choice<kGroup, &M::log_format>(
+          "machine.log_format", "--log-format",
+          "format of progress, remarks and errors: text, or one JSON object a line",
+          {{"text", LogFormat::Text}, {"json", LogFormat::Json}}),
       file<kGroup, &M::trace>("machine.trace", "--trace",
                               "what each thread did when, for ui.perfetto.dev: trace.json", "none"),
   };
