@@ -75,6 +75,19 @@ Result<void> check_poses(const FilmPlan& plan, const Settings& settings) {
   return {};
 }
 
+// What every film is checked by, of a recording or of a snapshot.
+Result<void> check_film(const RenderFlags& flags, const FilmPlan& plan, const Settings& settings) {
+  TRY(check_pictures(plan, settings));
+  if (plan.exposure) TRY(check_flags_on_display(*flags.settings, settings.video));
+  TRY(check_poses(plan, settings));
+  TRY(check_motion(settings));
+  return check_needs(settings);
+}
+
+std::span<const SinkKind> sinks_of(const FilmPlan& plan) {
+  return plan.exposure ? ldr_sink_kinds() : sink_kinds();
+}
+
 // Two eyes lie side by side.
 std::uint64_t film_sink_bytes(const FilmPlan& plan, const Settings& settings) {
   return sink_bytes(plan.baseline > 0 ? 2 * plan.width : plan.width, plan.height, settings);
@@ -151,13 +164,9 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
   const SceneHead scene = TRY(scene_head(around.storage, flags.recording));
   const FilmedRecording snapshot = filmed(scene);
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, snapshot));
-  TRY(check_pictures(plan, settings));
-  if (plan.exposure) TRY(check_flags_on_display(*flags.settings, settings.video));
-  TRY(check_poses(plan, settings));
-  TRY(check_motion(settings));
   TRY(check_depth(settings, snapshot));
-  TRY(check_needs(settings));
-  const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
+  TRY(check_film(flags, plan, settings));
+  const std::span<const SinkKind> sinks = sinks_of(plan);
   TRY(flags.kept.check(around.storage, inputs_of(flags, "snapshot"), outputs_of(settings, sinks)));
   const std::uint64_t bytes = TRY(around.storage.look_at(flags.recording)).size_bytes;
   TRY(admit_parts(settings,
@@ -181,23 +190,11 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
   return ended;
 }
 
-Result<void> render(const RenderFlags& flags, const Settings& given, Surroundings& around) {
-  TRY(check_recording_named(around.storage, flags.recording, "render"));
-  Settings asked = given;
-  asked.output.paths.erase(Settings::Output::kSnapshot);  // of runs that fit
-  if (!writes_outputs(asked.output))
-    return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
-  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a film"));
-  if (TRY(is_scene_snapshot(around.storage, flags.recording)))
-    return render_snapshot(flags, settings, around);
+Result<void> render_recording(const RenderFlags& flags, const Settings& settings, Surroundings& around) {
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
-  TRY(check_pictures(plan, settings));
-  if (plan.exposure) TRY(check_flags_on_display(*flags.settings, settings.video));
-  TRY(check_poses(plan, settings));
-  TRY(check_motion(settings));
-  TRY(check_needs(settings));
-  const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
+  TRY(check_film(flags, plan, settings));
+  const std::span<const SinkKind> sinks = sinks_of(plan);
   TRY(check_recorded_poses(around.storage, flags.recording, settings));
   TRY(flags.kept.check(around.storage, inputs_of(flags, "recording"), outputs_of(settings, sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
@@ -214,6 +211,17 @@ Result<void> render(const RenderFlags& flags, const Settings& given, Surrounding
                               around.storage);
   if (ended) warn_of_view(record, settings);
   return ended;
+}
+
+Result<void> render(const RenderFlags& flags, const Settings& given, Surroundings& around) {
+  TRY(check_recording_named(around.storage, flags.recording, "render"));
+  Settings asked = given;
+  asked.output.paths.erase(Settings::Output::kSnapshot);  // of runs that fit
+  if (!writes_outputs(asked.output))
+    return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
+  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a film"));
+  return TRY(is_scene_snapshot(around.storage, flags.recording)) ? render_snapshot(flags, settings, around)
+                                                                 : render_recording(flags, settings, around);
 }
 
 void add_view_flags(CommandLine verb, FilmOptions& options) {
