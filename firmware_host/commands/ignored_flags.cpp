@@ -10,22 +10,20 @@
 namespace hdrcam {
 namespace {
 
-// Refuses those of these settings that the command line set, unless the run uses them. why: a clause, such as
-// "this run writes no video; give -o out.mp4".
-Result<void> refuse(const SettingsFlags& flags, bool used, const std::vector<std::string>& keys,
-                    std::string_view why) {
-  const std::vector<std::string> ignored = used ? std::vector<std::string>() : flags.given(keys);
-  if (ignored.empty()) return {};
-  return Error{ErrorCode::Invalid, fmt::format("{}, or leave out {}", why, fmt::join(ignored, ", "))};
-}
-
 // Refuses those of these settings that the command line set. why: a sentence, such as "the scene of 'x' is
-// fitted already".
+// fitted already"; joint: stands between it and the advice to leave them out.
 Result<void> refuse_given(const SettingsFlags& flags, const std::vector<std::string>& keys,
-                          std::string_view why) {
+                          std::string_view why, std::string_view joint = ";") {
   const std::vector<std::string> ignored = flags.given(keys);
   if (ignored.empty()) return {};
-  return Error{ErrorCode::Invalid, fmt::format("{}; leave out {}", why, fmt::join(ignored, ", "))};
+  return Error{ErrorCode::Invalid, fmt::format("{}{} leave out {}", why, joint, fmt::join(ignored, ", "))};
+}
+
+// The same unless the run uses them. why: with what to give, such as "this run writes no video; give -o
+// out.mp4".
+Result<void> refuse_unless(bool used, const SettingsFlags& flags, const std::vector<std::string>& keys,
+                           std::string_view why) {
+  return used ? Result<void>() : refuse_given(flags, keys, why, ", or");
 }
 
 // A recording has its size, its rate, its exposures and their times.
@@ -40,10 +38,10 @@ Result<void> check_recorded_camera(const SettingsFlags& flags, const Settings::C
 
 // At the fit's pace a recording is read as `replay` reads it, by no camera with buffers, clocks and lines.
 Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& camera) {
-  TRY(refuse(flags, is_replayed(camera.id), {"camera.pace"},
-             "the pace is that of a recording in place of the camera; give --camera replay:FILE"));
-  return refuse(
-      flags, !is_read_as_fast_as_asked(camera),
+  TRY(refuse_unless(is_replayed(camera.id), flags, {"camera.pace"},
+                    "the pace is that of a recording in place of the camera; give --camera replay:FILE"));
+  return refuse_unless(
+      !is_read_as_fast_as_asked(camera), flags,
       {"camera.buffers", "camera.yuv_range", "sync.line", "sync.strobe", "sync.strobe_delay",
        "sync.active_low", "sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance",
        "sync.trigger_active_low", "record.memory_mib"},
@@ -53,21 +51,17 @@ Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& came
 
 // What only a strobe or a trigger line has.
 Result<void> check_lines(const SettingsFlags& flags, const Settings::Sync& sync) {
-  TRY(refuse(flags, !sync.line.empty(), {"sync.strobe", "sync.strobe_delay", "sync.active_low"},
-             "this run reads no strobe line; give --sync-line gpiochip0:17"));
-  return refuse(
-      flags, !sync.trigger_line.empty(),
+  TRY(refuse_unless(!sync.line.empty(), flags, {"sync.strobe", "sync.strobe_delay", "sync.active_low"},
+                    "this run reads no strobe line; give --sync-line gpiochip0:17"));
+  return refuse_unless(
+      !sync.trigger_line.empty(), flags,
       {"sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance", "sync.trigger_active_low"},
       "this run drives no trigger line; give --trigger-line gpiochip0:17");
 }
 
 Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output& output) {
-  if (!output.path("http").empty()) return {};
-  const std::vector<std::string> ignored = flags.given({"output.http_token", "output.http_record"});
-  if (ignored.empty()) return {};
-  return Error{ErrorCode::Invalid,
-               fmt::format("there is no live page for {}; give --http 127.0.0.1:8080 too, or leave it out",
-                           fmt::join(ignored, " and "))};
+  return refuse_unless(!output.path("http").empty(), flags, {"output.http_token", "output.http_record"},
+                       "this run has no live page; give --http 127.0.0.1:8080");
 }
 
 // What only some outputs have.
@@ -78,16 +72,17 @@ Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output
              video = video_container_of(frames).has_value() || !output.path("video").empty(),
              page = !output.path("http").empty(),
              shown = video || (pipe && options.pipe != PipeFormat::Half);  // bare radiance is not
-  TRY(refuse(flags, files, {"output.layers"}, "this run writes no EXR files; give -o out/%06d.exr"));
-  TRY(refuse(flags, files || page, {"output.compression"},
-             "this run writes no EXR files; give -o out/%06d.exr"));
-  TRY(refuse(flags, video, {"video.codec", "video.crf"}, "this run compresses no video; give -o out.mp4"));
-  TRY(refuse(flags, shown, {"video.transfer"}, "this run writes no video; give -o out.mp4"));
-  TRY(refuse(flags, shown || page, {"video.white", "video.peak"},
-             "this run writes no video; give -o out.mp4"));
-  TRY(refuse(flags, options.transfer != VideoTransfer::Sdr || page, {"video.white", "video.peak"},
-             "a video for SDR displays is as bright as its display; give --transfer pq or hlg"));
-  return refuse(flags, pipe, {"video.pipe_format"}, "no frames go to the standard output; give -o -");
+  TRY(refuse_unless(files, flags, {"output.layers"}, "this run writes no EXR files; give -o out/%06d.exr"));
+  TRY(refuse_unless(files || page, flags, {"output.compression"},
+                    "this run writes no EXR files; give -o out/%06d.exr"));
+  TRY(refuse_unless(video, flags, {"video.codec", "video.crf"},
+                    "this run compresses no video; give -o out.mp4"));
+  TRY(refuse_unless(shown, flags, {"video.transfer"}, "this run writes no video; give -o out.mp4"));
+  TRY(refuse_unless(shown || page, flags, {"video.white", "video.peak"},
+                    "this run writes no video; give -o out.mp4"));
+  TRY(refuse_unless(options.transfer != VideoTransfer::Sdr || page, flags, {"video.white", "video.peak"},
+                    "a video for SDR displays is as bright as its display; give --transfer pq or hlg"));
+  return refuse_unless(pipe, flags, {"video.pipe_format"}, "no frames go to the standard output; give -o -");
 }
 
 }  // namespace
@@ -97,8 +92,8 @@ Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& set
   TRY(check_pace(flags, settings.camera));
   TRY(check_lines(flags, settings.sync));
   TRY(check_live_page(flags, settings.output));
-  TRY(refuse(flags, !settings.record.file.empty() || !settings.output.http_takes.empty(), {"record.codec"},
-             "this run writes no recording; give --record walk.mkv"));
+  TRY(refuse_unless(!settings.record.file.empty() || !settings.output.http_takes.empty(), flags,
+                    {"record.codec"}, "this run writes no recording; give --record walk.mkv"));
   return check_outputs_of(flags, settings.output, settings.video);
 }
 

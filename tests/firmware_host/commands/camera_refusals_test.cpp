@@ -85,7 +85,8 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   alone("--record-codec", "ffv1", "--record walk.mkv");
   check_refused({"record", "--camera", "sim:still", "--record-codec", "ffv1"}, ErrorCode::Invalid,
                 "no output file; give -o FILE");
-  const std::string page_alone = "give --http 127.0.0.1:8080 too";
+  const std::string page_alone =
+      "this run has no live page; give --http 127.0.0.1:8080, or leave out --http-";
   check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
   check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
                 page_alone);
