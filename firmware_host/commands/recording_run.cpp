@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "firmware_host/commands/ignored_flags.h"
-#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
@@ -25,7 +24,7 @@ Result<void> check_recording_named(Storage& storage, const std::string& recordin
                  fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
   if (TRY(storage.look_at(recording)).kind == FileKind::Missing)
     return Error{ErrorCode::NotFound, fmt::format("'{}' does not exist", recording)};
-  return std::string_view(verb) == "render" ? Result<void>() : check_no_snapshot(storage, recording);
+  return {};
 }
 
 Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,

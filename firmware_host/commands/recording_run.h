@@ -15,7 +15,7 @@
 namespace hdrcam {
 
 // Before an output's folder is made. verb: "replay". Errors: Invalid where no recording is named, NotFound
-// where there is none of that name; those of check_no_snapshot, but for "render".
+// where there is none of that name.
 Result<void> check_recording_named(Storage& storage, const std::string& recording, const char* verb);
 // The settings of such a run: with the time of its start in the names of files, and without recordings that
 // the live page starts. what: "a replay". Errors: Invalid where a flag asks for such recordings; those of

@@ -4,6 +4,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
@@ -44,6 +45,7 @@ bool is_numbered_only(const std::string& frames) {
 
 Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "replay"));
+  TRY(check_no_snapshot(around.storage, flags.recording));
   if (!flags.truth.empty() && !asked.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
   if (!flags.truth.empty() && !is_numbered_only(asked.output.path("frames")))
