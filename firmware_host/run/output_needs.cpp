@@ -9,6 +9,7 @@
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/http_address.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
@@ -110,6 +111,11 @@ ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
       break;
   }
   return pace == RunPace::Camera ? ExrCompression::None : kUsualCompression;
+}
+
+Result<std::optional<ChannelGains>> white_balance_of(const Settings::Output& output,
+                                                     const CameraFacts& camera) {
+  return white_balance_gains(parse_white_balance(output.white_balance).value(), camera);
 }
 
 void write_result_beside_frames(const Settings::Output& output, std::string_view text) {

@@ -2,6 +2,7 @@
 // results are told beside them. Reentrant.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,7 @@
 #include "firmware_host/settings/settings.h"
 #include "hal/core/result.h"
 #include "render/exr.h"
+#include "render/hdr_frame.h"
 
 namespace hdrcam {
 
@@ -33,6 +35,9 @@ std::string motion_output(const Settings::Output& output);
 bool sees_field_in_scene(const Settings::Output& output, RunPace pace);
 
 ExrCompression compression_of(const Settings::Output& output, RunPace pace);
+// The gains of all outputs; none: colours as the sensor gives them. Errors: those of white_balance_gains.
+Result<std::optional<ChannelGains>> white_balance_of(const Settings::Output& output,
+                                                     const CameraFacts& camera);
 
 // Writes a result to the standard output; to the standard error stream where the frames take that.
 void write_result_beside_frames(const Settings::Output& output, std::string_view text);

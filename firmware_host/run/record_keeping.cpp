@@ -115,11 +115,14 @@ void add_deadline(const Governor& governor, RunRecord& record) {
     record.rungs.push_back({governor.ladder()[r].name, governor.frames_at()[r]});
 }
 
+ResponseCurves curves_of(const Response& response) {
+  return {response.inverse(0), response.inverse(1), response.inverse(2)};
+}
+
 void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const OnlineStage& online = pipeline.online();
   const SensorModel& sensor = online.sensor();
-  record.response = ResponseCurves{sensor.camera_response().inverse(0), sensor.camera_response().inverse(1),
-                                   sensor.camera_response().inverse(2)};
+  record.response = curves_of(sensor.camera_response());
   record.response_prior = prior_mean_response().inverse(1);
   record.exposures = sensor.exposures().learned();
   if (online.leaves_out_given_poses())
@@ -143,10 +146,11 @@ void add_findings(const VirtualCamera& film, RunRecord& record) {
                                      counted(film.shown(), "frame"), 100 * record.film_from_field));
 }
 
-Error stopped_film(const VirtualCamera& film, const FilmPlan& plan) {
-  return {ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
-                                              "complete",
-                                              film.shown(), plan.frames)};
+Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film) {
+  if (plan.stop == nullptr || !*plan.stop || film.done()) return {};
+  return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
+                                                   "complete",
+                                                   film.shown(), plan.film->frames)};
 }
 
 EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {

@@ -20,7 +20,6 @@ namespace hdrcam {
 class Governor;
 class Pipeline;
 class VirtualCamera;
-struct FilmPlan;
 
 constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
 
@@ -32,12 +31,14 @@ FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record);
 
 // How the deadline was held.
 void add_deadline(const Governor& governor, RunRecord& record);
+// The curves of all channels.
+ResponseCurves curves_of(const Response& response);
 // The camera parameters that the method estimated.
 void add_findings(const Pipeline& pipeline, RunRecord& record);
 // How much of a film the field filled.
 void add_findings(const VirtualCamera& film, RunRecord& record);
-// Interrupted: what a film says that the user stopped.
-Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
+// Interrupted where the user stopped the run before the end of its film.
+Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film);
 // What lay in the folder of the HDR frames before the run; nothing where none are scored.
 struct EarlierEstimates {
   EarlierFrames frames, novel_views;

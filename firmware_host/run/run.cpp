@@ -61,7 +61,6 @@ class Run {
   void ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept);
   Result<void> save_scene();
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made);
-  Result<void> stopped_film() const;
 
   const SensorModel& sensor() const { return pipeline_.online().sensor(); }
   Backlog backlog() const;
@@ -183,7 +182,7 @@ Result<void> Run::take_frames() {
   TRY(pipeline_.finish(deliver));
   if (governor_) governor_->ended(pipeline_.work().frames);
   if (!film_) return {};
-  TRY(stopped_film());  // what was not read is not filmed
+  TRY(check_not_stopped(plan_, *film_));  // what was not read is not filmed
   return film_->finish(show_);
 }
 
@@ -255,13 +254,7 @@ void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
 Result<void> Run::show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
   TRY(sinks_.emit({hdr, input, made}));
   progress_.frame_done(between_shows_.lap_ms(), std::nullopt);
-  return stopped_film();
-}
-
-// Interrupted if the user stopped the run before the end of the film.
-Result<void> Run::stopped_film() const {
-  if (plan_.stop == nullptr || !*plan_.stop || film_->done()) return {};
-  return hdrcam::stopped_film(*film_, *plan_.film);
+  return check_not_stopped(plan_, *film_);
 }
 
 Backlog Run::backlog() const {
@@ -291,8 +284,7 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
                         std::string& where) {
   TRY(check_needs(plan.settings));
   TRY(check_readout(plan.settings.fit, source.camera()));
-  const WhiteBalance wanted = parse_white_balance(plan.settings.output.white_balance).value();
-  const std::optional<ChannelGains> balance = TRY(white_balance_gains(wanted, source.camera()));
+  const std::optional<ChannelGains> balance = TRY(white_balance_of(plan.settings.output, source.camera()));
   Run run(plan, balance, source, storage, progress);
   return run.to_end(where);
 }

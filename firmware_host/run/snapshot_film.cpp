@@ -14,7 +14,6 @@
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
-#include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
@@ -44,8 +43,7 @@ class SnapshotFilm {
     if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
     if (!note.empty()) record_.notes.push_back(note);
     add_findings(film_, record_);
-    record_.response =
-        ResponseCurves{scene_.response->inverse(0), scene_.response->inverse(1), scene_.response->inverse(2)};
+    record_.response = curves_of(*scene_.response);
     close_record(RunPace::Clip, wall.lap_ms() / 1e3, record_);
     record_.sinks = sinks_.times();
     if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
@@ -72,8 +70,7 @@ class SnapshotFilm {
     TRY(sinks_.emit({hdr, input, made}));
     kept.total_ms = between_shows_.lap_ms();
     if (progress_) progress_->frame_done(kept.total_ms, std::nullopt);
-    if (plan_.stop == nullptr || !*plan_.stop || film_.done()) return {};
-    return stopped_film(film_, *plan_.film);
+    return check_not_stopped(plan_, film_);
   }
 
   const RunPlan& plan_;
@@ -91,8 +88,7 @@ Result<void> load_and_film(const RunPlan& plan, const std::string& snapshot, Sto
                            std::string& where) {
   const Backend backend = open_backend(plan.settings.fit.backend);
   SceneSnapshot scene = TRY(load_scene(storage, snapshot, backend.gpu.get()));
-  const WhiteBalance wanted = parse_white_balance(plan.settings.output.white_balance).value();
-  const std::optional<ChannelGains> balance = TRY(white_balance_gains(wanted, scene.camera));
+  const std::optional<ChannelGains> balance = TRY(white_balance_of(plan.settings.output, scene.camera));
   SnapshotFilm film(plan, scene, balance, storage);
   return film.to_end(backend.note, where);
 }
