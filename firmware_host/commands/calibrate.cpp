@@ -2,6 +2,7 @@
 // measured from its pictures.
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "capture/delay_calibration.h"
 #include "firmware_host/commands/camera_run.h"
@@ -11,6 +12,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_toml.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {
@@ -74,54 +76,77 @@ void print(const char* control, const DelayEstimate& estimate) {
   if (!estimate.delay)
     say("{}: unknown, {}\n", control, estimate.reason);
   else
-    say("{}: acts {} frame(s) after its request ({:.0f} % of {} comparisons agree)\n", control,
-        *estimate.delay, 100 * estimate.agreement, estimate.comparisons);
+    say("{}: acts {} after its request ({:.0f} % of {} agree)\n", control, counted(*estimate.delay, "frame"),
+        100 * estimate.agreement, counted(estimate.comparisons, "comparison"));
 }
 
-Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Surroundings& around) {
-  if (flags.what.empty())
-    return Error{ErrorCode::Invalid, "no calibration named; give 'hdrcam calibrate delay'"};
-  if (flags.what != "delay")
+Result<void> check_calibration(const std::string& what) {
+  if (what.empty()) return Error{ErrorCode::Invalid, "no calibration named; give 'hdrcam calibrate delay'"};
+  if (what != "delay")
     return Error{ErrorCode::Invalid,
-                 fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
-  TRY(check_replayed(settings.camera, around.storage));
-  TRY(flags.kept.check(around.storage, inputs_of(settings.camera),
-                       {{"--output", flags.output, OutputKind::Document}}));
-  const auto camera = TRY(open_camera(settings.camera.id, around.storage));
-  if (!camera->capabilities().sets_exposure)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("the exposure of '{}' cannot be set; there is no delay to "
-                             "measure",
-                             camera->capabilities().id)};
-  const CaptureSetup setup = TRY(capture_setup(settings, camera->capabilities()));
-  const StreamMode mode = TRY(camera->configure(setup.options.mode, setup.options.buffers));
-  const auto schedule =
-      TRY(ExposureSchedule::create(setup.cycle, camera->capabilities(), mode.frame_duration, setup.mains));
+                 fmt::format("there is no calibration '{}'; give 'calibrate delay'", what)};
+  return {};
+}
 
-  const auto times = time_pairs(schedule, camera->capabilities());
-  if (times.empty())
+// Errors: Invalid where the cycle has no two exposures to compare; TooShort where their pictures do not tell.
+Result<int> exposure_delay(Camera& camera, const CaptureOptions& options, const ExposureSchedule& schedule,
+                           const std::string& shutter, const std::atomic<bool>& stop) {
+  const std::vector<Pair> pairs = time_pairs(schedule, camera.capabilities());
+  if (pairs.empty())
     return Error{
         ErrorCode::Invalid,
         fmt::format("no two exposures of --shutter {} are a stop apart, so that their pictures could "
                     "be told from each other; give 1ms,4ms",
-                    settings.schedule.shutter)};
-  const DelayEstimate exposure = TRY(measure(*camera, setup.options, times, around.stop));
-  print("exposure", exposure);
-  if (!exposure.delay)
+                    shutter)};
+  const DelayEstimate estimate = TRY(measure(camera, options, pairs, stop));
+  print("exposure", estimate);
+  if (!estimate.delay)
     return Error{ErrorCode::TooShort,
                  "the exposure delay could not be measured; point the camera at a static "
                  "scene that is neither black nor clipped, or give other times by --shutter"};
-  DelayEstimate gain;
-  const auto gains = gain_pairs(schedule, camera->capabilities());
-  if (gains.empty()) {
+  return *estimate.delay;
+}
+
+// None where the gain cannot be set, or its pictures do not tell.
+Result<std::optional<int>> gain_delay(Camera& camera, const CaptureOptions& options,
+                                      const ExposureSchedule& schedule, const std::atomic<bool>& stop) {
+  const std::vector<Pair> pairs = gain_pairs(schedule, camera.capabilities());
+  if (pairs.empty()) {
     say("gain: cannot be set\n");
-  } else {
-    gain = TRY(measure(*camera, setup.options, gains, around.stop));
-    print("gain", gain);
+    return std::optional<int>();
   }
+  const DelayEstimate estimate = TRY(measure(camera, options, pairs, stop));
+  print("gain", estimate);
+  return estimate.delay;
+}
+
+// Errors: those of the camera and of its settings; Unsupported where its exposure cannot be set.
+Result<ControlDelays> measure_delays(Camera& camera, const Settings& settings,
+                                     const std::atomic<bool>& stop) {
+  const CameraCapabilities& capabilities = camera.capabilities();
+  if (!capabilities.sets_exposure)
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("the exposure of '{}' cannot be set; there is no delay to measure", capabilities.id)};
+  const CaptureSetup setup = TRY(capture_setup(settings, capabilities));
+  const StreamMode mode = TRY(camera.configure(setup.options.mode, setup.options.buffers));
+  const auto schedule =
+      TRY(ExposureSchedule::create(setup.cycle, capabilities, mode.frame_duration, setup.mains));
+  const int exposure = TRY(exposure_delay(camera, setup.options, schedule, settings.schedule.shutter, stop));
+  const std::optional<int> gain = TRY(gain_delay(camera, setup.options, schedule, stop));
+  return ControlDelays{exposure, gain.value_or(exposure)};
+}
+
+Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Surroundings& around) {
+  TRY(check_calibration(flags.what));
+  TRY(check_replayed(settings.camera, around.storage));
+  TRY(flags.kept.check(around.storage, inputs_of(settings.camera),
+                       {{"--output", flags.output, OutputKind::Document}}));
+  const auto camera = TRY(open_camera(settings.camera.id, around.storage));
+  const ControlDelays delays = TRY(measure_delays(*camera, settings, around.stop));
   Settings measured = settings;
   if (measured.camera.id.empty()) measured.camera.id = camera->capabilities().id;
-  measured.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
+  measured.camera.control_delay = fmt::format("{},{}", delays.exposure, delays.gain);
   if (flags.output.empty()) {
     say("use it with --control-delay {}, or write a configuration with -o FILE\n",
         measured.camera.control_delay);
