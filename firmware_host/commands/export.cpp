@@ -84,7 +84,8 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
     TRY(write_whole(storage, options.transforms_path(), std::as_bytes(std::span(text))));
   }
   if (options.colmap) TRY(write_colmap(storage, options.model(), clip, options.folder));
-  if (clip.left_out > 0) remark("{} frame(s) without a pose are only in the clip.json\n", clip.left_out);
+  if (clip.left_out > 0)
+    remark("only the clip.json has {} without a pose\n", counted(clip.left_out, "frame"));
   return {};
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware_host/printable.h"
 #include "firmware_host/signed_text.h"
+#include "hal/core/counted.h"
 #include "hal/core/json_text.h"
 
 namespace hdrcam {
@@ -77,7 +78,7 @@ std::string schedule_text(const RecordingSummary& summary) {
   if (cycle.period == 0) return "none found";
   std::string text;
   for (const double slot : slots_ev(cycle)) text += (text.empty() ? "" : " / ") + signed_text(slot, 2);
-  return fmt::format("{} slot(s): {} EV{}", cycle.period, text,
+  return fmt::format("{}: {} EV{}", counted(cycle.period, "slot"), text,
                      is_relative(summary)
                          ? ""
                          : fmt::format(" about {:.6g} {}", reference_s(cycle), exposure_unit(summary)));
@@ -139,10 +140,10 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
   if (summary.black_level) row("black level", fmt::format("{:.2f} codes of 255", (*summary.black_level)[1]));
   row("frames", fmt::format("{} in {:.3f} s", summary.frames, to_seconds(summary.duration)));
   row("dropped",
-      summary.dropped == 0 ? "none" : fmt::format("{} in {} gap(s)", summary.dropped, summary.gaps));
+      summary.dropped == 0 ? "none" : fmt::format("{} in {}", summary.dropped, counted(summary.gaps, "gap")));
   if (summary.unproved > 0)
-    row("unproved", fmt::format("{} frame(s) of uncertain exposure", summary.unproved));
-  if (summary.damaged > 0) row("damaged", fmt::format("{} frame(s)", summary.damaged));
+    row("unproved", fmt::format("{} of uncertain exposure", counted(summary.unproved, "frame")));
+  if (summary.damaged > 0) row("damaged", counted(summary.damaged, "frame"));
   row("poses",
       summary.with_pose == 0 ? "none" : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
   row("size", fmt::format("{:.2f} MB, {}", static_cast<double>(summary.bytes) * 1e-6, name(summary.codec)));

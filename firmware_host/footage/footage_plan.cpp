@@ -73,8 +73,8 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
   }
   seen.losses = footage.losses();
   if (seen.facts.size() < 2)
-    return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {} frame(s); a clip has at least two",
-                                                  seen.camera.name, seen.facts.size())};
+    return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {}; a clip has at least two",
+                                                  seen.camera.name, counted(seen.facts.size(), "frame"))};
   return seen;
 }
 

@@ -124,7 +124,7 @@ std::string CameraSource::light_account() const {
   if (adapt_ != Adapt::Light) return "";
   const std::uint64_t changes = session_->counters().camera.cycle_changes;
   if (changes == 0) return "the light did not change the cycle";
-  return fmt::format("the light changed the cycle {} time(s); last to {}", changes,
+  return fmt::format("the light changed the cycle {}; last to {}", counted(changes, "time"),
                      describe(capture_->schedule().cycle()));
 }
 

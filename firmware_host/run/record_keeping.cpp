@@ -136,8 +136,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
   note_fallbacks(online, record);
   if (pipeline.kept_out() > 0)
-    record.notes.push_back(fmt::format(
-        "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+    record.notes.push_back(fmt::format("{} kept out of the fit: exposure not proved, or pixels damaged",
+                                       counted(pipeline.kept_out(), "frame")));
 }
 
 void add_findings(const VirtualCamera& film, RunRecord& record) {

@@ -7,6 +7,7 @@
 
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "hal/core/counted.h"
 #include "hal/core/folder_listing.h"
 
 namespace hdrcam {
@@ -66,9 +67,10 @@ std::string EarlierFrames::warning() const {
     if (remains(file)) left.push_back(file.path);
   if (left.empty() || !first_new()) return "";
   return fmt::format(
-      "{} file(s) of an earlier run remain beside the new ones, from '{}' to '{}'; remove them "
+      "{} of an earlier run {} beside the new ones, from '{}' to '{}'; remove them "
       "before '{}' is read as one clip",
-      left.size(), left.front(), left.back(), pattern_);
+      counted(left.size(), "file"), left.size() == 1 ? "remains" : "remain", left.front(), left.back(),
+      pattern_);
 }
 
 std::vector<EarlierFrames> earlier_frames(Storage& storage, std::span<const SinkKind> kinds,

@@ -9,6 +9,7 @@
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "hal/core/counted.h"
 #include "hal/core/file_extension.h"
 #include "hal/footage/footage.h"
 
@@ -100,9 +101,9 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
   if (earlier.count() > 0)
     return Error{
         ErrorCode::Exists,
-        fmt::format("{} '{}' would mix with {} earlier file(s), '{}' among them; name another folder, "
+        fmt::format("{} '{}' would mix with {}, '{}' among them; name another folder, "
                     "or replace them with --force",
-                    place.words, place.path, earlier.count(), earlier.first())};
+                    place.words, place.path, counted(earlier.count(), "earlier file"), earlier.first())};
   return {};
 }
 

@@ -20,5 +20,5 @@ TEST_CASE("info shows a slot of nearly the reference exposure as +0.00 EV") {
   RecordingSummary summary;
   summary.camera.framerate_hz = 30;
   summary.cycle = {.period = 3, .exposures = {1e-3, 3.99e-3, 16e-3}};
-  CHECK_THAT(as_table(summary, "walk.mkv"), Contains("3 slot(s): -2.00 / +0.00 / +2.00 EV"));
+  CHECK_THAT(as_table(summary, "walk.mkv"), Contains("3 slots: -2.00 / +0.00 / +2.00 EV"));
 }

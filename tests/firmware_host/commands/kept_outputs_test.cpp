@@ -269,6 +269,6 @@ TEST_CASE("a run with --force says which files of an earlier, longer run remain 
     return run.output;
   };
   CHECK_THAT(replayed("8"), !Contains("earlier run"));
-  CHECK_THAT(replayed("6"), Contains("warning: 2 file(s) of an earlier run remain") && Contains(frames));
+  CHECK_THAT(replayed("6"), Contains("warning: 2 files of an earlier run remain") && Contains(frames));
   CHECK_THAT(replayed("8"), !Contains("earlier run"));
 }

@@ -205,7 +205,7 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     };
     CHECK(exported().find("earlier run") == std::string::npos);
     REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 2, 3)).ok());
-    CHECK(exported().find("warning: 3 file(s) of an earlier run remain") != std::string::npos);
+    CHECK(exported().find("warning: 3 files of an earlier run remain") != std::string::npos);
   }
   SECTION("over pictures of the user's own") {
     const std::string mine = folder + "/out/ldr/0001.png", text = "my own picture";
@@ -436,8 +436,8 @@ TEST_CASE("info counts what is there and what is missing") {
   CHECK(json.at("exposure_range_ev").get<double>() == Approx(4));
   CHECK(json.at("slots_ev").get<std::vector<double>>() == std::vector<double>{-2, 2});
   const std::string table = as_table(info, path);
-  for (const char* words : {"37x23, 8 bits, rgb", "2 slot(s): -2.00 / +2.00 EV about 0.004 s", "4.00 EV",
-                            "12 in", "3 in 2 gap(s)", "complete    yes"}) {
+  for (const char* words : {"37x23, 8 bits, rgb", "2 slots: -2.00 / +2.00 EV about 0.004 s", "4.00 EV",
+                            "12 in", "3 in 2 gaps", "complete    yes"}) {
     INFO(table << words);
     CHECK(table.find(words) != std::string::npos);
   }

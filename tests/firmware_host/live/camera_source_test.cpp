@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "firmware_host/live/live_report.h"
+#include "hal/core/counted.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/becomes_true.h"
@@ -330,7 +331,7 @@ TEST_CASE("a run that follows the light notes how often, and its last cycle") {
   const std::uint64_t changes = source->session().counters().camera.cycle_changes;
   REQUIRE(changes > 0);
   REQUIRE(record.notes.size() == 2);
-  CHECK(record.notes[1] == fmt::format("the light changed the cycle {} time(s); last to {}", changes,
+  CHECK(record.notes[1] == fmt::format("the light changed the cycle {}; last to {}", counted(changes, "time"),
                                        describe(source->capture().schedule().cycle())));
   CHECK_THAT(record.notes[1], !Catch::Contains("last to 1 ms, 4 ms"));
 }

@@ -63,7 +63,7 @@ TEST_CASE("files that the run replaced or that are gone are no remains, the othe
   put(folder + "/new"), fs::rename(folder + "/new", folder + "/000001.exr");
   fs::remove(folder + "/000002.exr");
   CHECK_THAT(earlier.warning(),
-             Contains("2 file(s) of an earlier run remain") &&
+             Contains("2 files of an earlier run remain") &&
                  Contains("from '" + folder + "/000003.exr' to '" + folder + "/0004.exr'"));
   put(folder + "/000005.exr");
   for (const char* name : {"/000001.exr", "/000002.exr", "/000005.exr"})
@@ -78,5 +78,5 @@ TEST_CASE("a run that wrote no frame has none that earlier ones could be mixed w
   put(folder + "/000003.png");
   CHECK(earlier.warning().empty());
   put(folder + "/000003.exr");
-  CHECK_THAT(earlier.warning(), Contains("2 file(s) of an earlier run remain beside the new ones"));
+  CHECK_THAT(earlier.warning(), Contains("2 files of an earlier run remain beside the new ones"));
 }

@@ -200,7 +200,7 @@ TEST_CASE("frames do not mix with those of an earlier run unless --force says so
   desk.put("out/000041.exr");
   const Result<void> checked = desk.check(outputs);
   require_error(checked, ErrorCode::Exists);
-  CHECK(checked.error().message.find("1 earlier file(s), '" + desk.folder + "/out/000041.exr' among them") !=
+  CHECK(checked.error().message.find("1 earlier file, '" + desk.folder + "/out/000041.exr' among them") !=
         std::string::npos);
   require_done(desk.check(outputs, Overwrite::Force));
 }
