@@ -22,7 +22,9 @@ constexpr double kMostLength = 1e6;      // of any unit; beyond it a digit too m
 constexpr double kMostAngle_deg = 3600;  // ten turns
 constexpr std::size_t kMostPoses = 100000;
 constexpr std::string_view kAroundCells = " \t\r\n\"";
+// The pose of a moment: its time, then lengths, then angles.
 constexpr std::array<const char*, 7> kColumns{"time_s", "dx", "dy", "dz", "yaw", "pitch", "roll"};
+constexpr std::size_t kTime = 0, kFirstLength = 1, kFirstAngle = 4;
 
 std::optional<double> number_of(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -57,60 +59,72 @@ Error no_text(const std::string& path) {
                       path)};
 }
 
-using Row = std::array<double, 7>;  // as kColumns
+using Row = std::array<double, kColumns.size()>;
 
 Result<void> check(const std::string& where, const Row& row) {
-  for (std::size_t i = 0; i < row.size(); ++i)
-    if (!(std::abs(row[i]) <= (i < 4 ? kMostLength : kMostAngle_deg)) || (i == 0 && row[i] < 0))
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{}: {} cannot be {:g}; it is {}", where, kColumns[i], row[i],
-                               i == 0  ? "a time from 0 on, in seconds"
-                               : i < 4 ? "a length of the scene up to 1e6"
-                                       : "an angle in degrees up to ten turns")};
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const double most = i < kFirstAngle ? kMostLength : kMostAngle_deg;
+    if (std::abs(row[i]) <= most && (i != kTime || row[i] >= 0)) continue;
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{}: {} cannot be {:g}; it is {}", where, kColumns[i], row[i],
+                             i == kTime        ? "a time from 0 on, in seconds"
+                             : i < kFirstAngle ? "a length of the scene up to 1e6"
+                                               : "an angle in degrees up to ten turns")};
+  }
   return {};
 }
 
 ViewOffset offset_of(const Row& row) { return {{row[1], row[2], row[3]}, {row[4], row[5], row[6]}}; }
 
+// The places in kColumns of the names in a file's first line.
+Result<std::vector<std::size_t>> columns_of(const std::string& where, const std::vector<std::string>& names) {
+  std::vector<std::size_t> columns;
+  for (const std::string& name : names) {
+    const std::size_t column = column_of(name);
+    if (column == kColumns.size()) return unknown_column(where, name);
+    if (std::ranges::find(columns, column) != columns.end())
+      return Error{ErrorCode::Invalid, fmt::format("{}: names {} twice; name it once", where, name)};
+    columns.push_back(column);
+  }
+  if (std::ranges::find(columns, kTime) == columns.end())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{}: names no time_s; each line has its time in the film, in seconds, or give "
+                             "one pose by --view",
+                             where)};
+  return columns;
+}
+
+// One pose, of a line behind the first.
+Result<Row> row_of(const std::string& where, const std::vector<std::string>& cells,
+                   const std::vector<std::size_t>& columns) {
+  if (cells.size() != columns.size())
+    return Error{ErrorCode::Invalid, fmt::format("{}: {} values, but the first line names {}", where,
+                                                 cells.size(), columns.size())};
+  Row row{};
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto value = number_of(cells[i]);
+    if (!value)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{}: '{}' is no number for {}", where, cells[i], kColumns[columns[i]])};
+    row[columns[i]] = *value;
+  }
+  TRY(check(where, row));
+  return row;
+}
+
 Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view text) {
   std::vector<Row> rows;
   std::vector<std::size_t> columns;
-  for (int line_number = 1; !text.empty(); ++line_number) {
+  for (int line_number = 1; !text.empty() && rows.size() <= kMostPoses; ++line_number) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     const std::string where = fmt::format("{}:{}", path, line_number);
     if (const auto words = trimmed(line, kAroundCells); words.empty() || words.starts_with('#')) continue;
     const std::vector<std::string> cells = cells_of(line);
-    if (columns.empty()) {
-      for (const std::string& name : cells) {
-        const std::size_t column = column_of(name);
-        if (column == kColumns.size()) return unknown_column(where, name);
-        if (std::ranges::find(columns, column) != columns.end())
-          return Error{ErrorCode::Invalid, fmt::format("{}: names {} twice; name it once", where, name)};
-        columns.push_back(column);
-      }
-      if (std::ranges::find(columns, 0U) == columns.end())
-        return Error{
-            ErrorCode::Invalid,
-            fmt::format("{}: names no time_s; each line has its time in the film, in seconds, or give "
-                        "one pose by --view",
-                        where)};
-      continue;
-    }
-    if (cells.size() != columns.size())
-      return Error{ErrorCode::Invalid, fmt::format("{}: {} values, but the first line names {}", where,
-                                                   cells.size(), columns.size())};
-    Row row{};
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const auto value = number_of(cells[i]);
-      if (!value)
-        return Error{ErrorCode::Invalid,
-                     fmt::format("{}: '{}' is no number for {}", where, cells[i], kColumns[columns[i]])};
-      row[columns[i]] = *value;
-    }
-    TRY(check(where, row));
-    rows.push_back(row);
-    if (rows.size() > kMostPoses) break;
+    if (columns.empty())
+      columns = TRY(columns_of(where, cells));
+    else
+      rows.push_back(TRY(row_of(where, cells, columns)));
   }
   return rows;
 }
@@ -192,16 +206,17 @@ Result<ViewPath> ViewPath::parse_view(std::string_view text) {
                     text)};
   Row row{};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i < 3) {
+    const std::size_t column = kFirstLength + i;
+    if (column < kFirstAngle) {
       const SceneLength length = TRY(parse_length("--view", parts[i]));
-      row[i + 1] = length.value, view.in_metres_ |= length.in_metres;
+      row[column] = length.value, view.in_metres_ |= length.in_metres;
       continue;
     }
     const auto angle = number_of(parts[i]);
     if (!angle)
       return Error{ErrorCode::Invalid,
-                   fmt::format("--view: '{}' is no angle in degrees for {}", parts[i], kColumns[i + 1])};
-    row[i + 1] = *angle;
+                   fmt::format("--view: '{}' is no angle in degrees for {}", parts[i], kColumns[column])};
+    row[column] = *angle;
   }
   TRY(check("--view", row));
   view.poses_.front().offset = offset_of(row);
