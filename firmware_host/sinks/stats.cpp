@@ -30,18 +30,53 @@ Json json_of(const FramePose& pose) {
   return json;
 }
 
-Json json_of(const FrameRecord& frame, bool has_rungs) {
+Json json_of(const FrameRecord& frame, const RunRecord& run) {
   Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
             {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
             {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
             {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
-  if (has_rungs) json["rung"] = frame.rung;
+  if (!run.rungs.empty()) json["rung"] = frame.rung;
   json["exposure_source"] = name(frame.exposure_source);
   if (frame.verdict) json["verdict"] = name(*frame.verdict);
   if (frame.pose) json["pose"] = json_of(*frame.pose);
   if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;
+}
+
+Json stages_of(const RunRecord& record) {
+  Json stages = Json::object();
+  for (const StageSummary& stage : stage_summaries(record))
+    stages[stage.name] = {{"frames", stage.frames},
+                          {"mean_ms", stage.mean_ms},
+                          {"p95_ms", stage.p95_ms},
+                          {"max_ms", stage.max_ms}};
+  return stages;
+}
+
+Json sinks_of(const RunRecord& record) {
+  Json sinks = Json::object();
+  for (const SinkTimes& sink : record.sinks)
+    sinks[sink.name] = {{"frames", sink.frames},
+                        {"mean_ms", sink.mean_ms()},
+                        {"max_ms", sink.longest_ms},
+                        {"left_out", sink.left_out}};
+  return sinks;
+}
+
+Json scores_of(const RunRecord& record) {
+  Json scores = Json::object();
+  for (const ScoreRow& score : record.scores)
+    scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
+  return scores;
+}
+
+// What pictures say about the stated ones.
+Json exposures_of(const RunRecord& record) {
+  Json exposures = Json::array();
+  for (const auto& [stated, stops] : record.exposures)
+    exposures.push_back({{"stated", stated}, {"off_stops", stops}});
+  return exposures;
 }
 
 class Stats : public FrameSink {
@@ -84,33 +119,15 @@ std::string to_json(const RunRecord& record) {
             {"peak_memory_mib", record.peak_memory_mib},
             {"provenance", provenance_of(mean_provenance(record))}};
   if (!record.rungs.empty()) json["deadline"] = deadline_of(record);
-  Json& stages = json["stages"] = Json::object();
-  for (const StageSummary& stage : stage_summaries(record))
-    stages[stage.name] = {{"frames", stage.frames},
-                          {"mean_ms", stage.mean_ms},
-                          {"p95_ms", stage.p95_ms},
-                          {"max_ms", stage.max_ms}};
-  Json& sinks = json["sinks"] = Json::object();
-  for (const SinkTimes& sink : record.sinks)
-    sinks[sink.name] = {{"frames", sink.frames},
-                        {"mean_ms", sink.mean_ms()},
-                        {"max_ms", sink.longest_ms},
-                        {"left_out", sink.left_out}};
+  json["stages"] = stages_of(record);
+  json["sinks"] = sinks_of(record);
   if (!record.counters.empty()) json["counters"] = object_of(record.counters);
-  if (!record.scores.empty()) {
-    Json& scores = json["scores"] = Json::object();
-    for (const ScoreRow& score : record.scores)
-      scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
-  }
+  if (!record.scores.empty()) json["scores"] = scores_of(record);
   if (record.response) json["response"] = *record.response;
-  if (!record.exposures.empty()) {
-    Json& exposures = json["exposures"] = Json::array();
-    for (const auto& [stated, stops] : record.exposures)
-      exposures.push_back({{"stated", stated}, {"off_stops", stops}});
-  }
+  if (!record.exposures.empty()) json["exposures"] = exposures_of(record);
   json["notes"] = record.notes;
   Json& frames = json["per_frame"] = Json::array();
-  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, !record.rungs.empty()));
+  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, record));
   return json_text(json, 1) + '\n';
 }
 
