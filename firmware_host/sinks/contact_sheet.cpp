@@ -25,6 +25,7 @@ constexpr std::size_t kStrideGrowth = 5;
 constexpr std::size_t kRowsKept = kRowsShown * kStrideGrowth;
 constexpr int kCellWidth_px = 320;
 constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
+constexpr int kTitleRise_px = 6, kCaptionRise_px = 7;  // baselines, above the lower edge of their strip
 constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224}, kUnknown{96, 96, 96};
 constexpr float kBrightest = 0.98f;  // quantile of 1 / depth shown as the brightest
 
@@ -93,6 +94,18 @@ Image<std::uint8_t> coloured(const Image<std::uint8_t>& provenance) {
   return picture;
 }
 
+// Where each column begins, which is as wide as its cells and its title, and where the last one ends.
+std::vector<int> lefts_of(const std::vector<std::string>& titles, int cell_width) {
+  std::vector<int> lefts{kGap_px};
+  for (const std::string& title : titles)
+    lefts.push_back(lefts.back() + std::max(cell_width, text_width(title, kText_px)) + kGap_px);
+  return lefts;
+}
+
+std::string caption_of(std::uint64_t sequence, float exposure) {
+  return fmt::format("frame {}    exposure {} EV", sequence, signed_text(std::log2(exposure), 1));
+}
+
 // Returns the column behind it. canvas: null to measure only.
 int draw_legend(Canvas* canvas, int baseline) {
   int left = kGap_px;
@@ -124,7 +137,7 @@ Result<void> ContactSheet::emit(const EmittedFrame& frame) {
     stride_ *= static_cast<int>(kStrideGrowth);
   }
   Row& row = rows_.emplace_back();
-  row.facts = frame.hdr.facts;
+  row.sequence = frame.hdr.facts.sequence;
   row.exposure = frame.hdr.exposure;
   row.input = as_cell(as_codes(frame.input.codes));
   row.shown = as_cell(tone_mapped(frame.hdr.radiance, curve));
@@ -175,30 +188,30 @@ int ContactSheet::largest(const std::vector<const Row*>& rows, const Side& side)
   return most;
 }
 
-Image<std::uint8_t> ContactSheet::composed() const {
-  const auto rows = chosen_rows();
+// The nearness that is shown as the brightest, in all rows; 0 where no depth is known.
+float ContactSheet::brightest_of(const std::vector<const Row*>& rows) {
   std::vector<float> nearness;
   for (const Row* row : rows)
     nearness.insert(nearness.end(), row->nearness.samples().begin(), row->nearness.samples().end());
-  const float brightest = quantile(std::span(nearness), kBrightest);
+  return quantile(std::span(nearness), kBrightest);
+}
+
+Image<std::uint8_t> ContactSheet::composed() const {
+  const auto rows = chosen_rows();
+  const float brightest = brightest_of(rows);
   std::vector<std::string> titles{"input", "HDR, tone-mapped", "provenance"};
   if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
 
   const int cell_height = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.rows(); });
   const int cell_width = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.cols(); });
   const int step_down = cell_height + kCaption_px, count = static_cast<int>(rows.size());
-  std::vector<int> lefts{kGap_px};  // of each column, which is as wide as its title, and the end
-  for (const std::string& title : titles)
-    lefts.push_back(lefts.back() + std::max(cell_width, text_width(title, kText_px)) + kGap_px);
-  const auto caption = [](const Row& row) {
-    return fmt::format("frame {}    exposure {} EV", row.facts.sequence,
-                       signed_text(std::log2(row.exposure), 1));
-  };
+  const std::vector<int> lefts = lefts_of(titles, cell_width);
+  const auto caption = [](const Row& row) { return caption_of(row.sequence, row.exposure); };
   int width = std::max(lefts.back(), draw_legend(nullptr, 0) + kGap_px);
   for (const Row* row : rows) width = std::max(width, text_width(caption(*row), kText_px) + 2 * kGap_px);
   Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, width, kPaper);
   for (std::size_t i = 0; i < titles.size(); ++i)
-    canvas.write(kCaption_px - 6, lefts[i], titles[i], kText_px, kInk);
+    canvas.write(kCaption_px - kTitleRise_px, lefts[i], titles[i], kText_px, kInk);
 
   int top = kCaption_px;
   for (const Row* row : rows) {
@@ -209,10 +222,10 @@ Image<std::uint8_t> ContactSheet::composed() const {
     paste(1, row->shown);
     paste(2, coloured(row->provenance));
     if (!row->nearness.empty()) paste(3, depth_colours(row->nearness, brightest));
-    canvas.write(top + step_down - 7, kGap_px, caption(*row), kText_px, kInk);
+    canvas.write(top + step_down - kCaptionRise_px, kGap_px, caption(*row), kText_px, kInk);
     top += step_down;
   }
-  draw_legend(&canvas, top + kCaption_px - 7);
+  draw_legend(&canvas, top + kCaption_px - kCaptionRise_px);
   return canvas.picture().clone();
 }
 

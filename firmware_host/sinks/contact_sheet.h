@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,7 +32,7 @@ class ContactSheet : public FrameSink {
 
  private:
   struct Row {
-    FrameFacts facts;
+    std::uint64_t sequence = 0;
     float exposure = 1;                // E / E_ref
     Image<std::uint8_t> input, shown;  // [rgb, rows, cols]
     Image<float> nearness;             // [1, rows, cols] 1 / depth; empty without depth
@@ -39,6 +40,7 @@ class ContactSheet : public FrameSink {
   };
   Image<std::uint8_t> composed() const;
   std::vector<const Row*> chosen_rows() const;
+  static float brightest_of(const std::vector<const Row*>& rows);
   // Of the rows' cells; side: of one.
   template <class Side>
   static int largest(const std::vector<const Row*>& rows, const Side& side);
