@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "firmware_host/commands/summary_table.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/signed_text.h"
 #include "hal/core/counted.h"
@@ -120,37 +121,38 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
 
 std::string as_table(const RecordingSummary& summary, const std::string& path) {
   const CameraFacts& camera = summary.camera;
-  std::string table = printable(path) + "\n";
-  const auto row = [&](const char* what, const std::string& value) {
-    table += fmt::format("  {:<12}{}\n", what, value);
-  };
-  row("camera", camera.name.empty() ? "(no name)" : printable(camera.name));
-  row("picture",
-      fmt::format("{}x{}, {} bits, {}", camera.width, camera.height, camera.bits, name(camera.layout)));
-  row("frame rate", fmt::format("{:.6g} Hz", camera.framerate_hz));
-  if (const auto& lens = camera.intrinsics)
-    row("lens", fmt::format("f {:.6g} x {:.6g} px, centre {:.6g}, {:.6g}", lens->fx_px, lens->fy_px,
-                            lens->cx_px, lens->cy_px));
-  row("response", camera.linear ? "linear" : camera.response.empty() ? "unknown" : "known");
-  if (camera.white_balance) row("white", fmt::format("gains {:.4g}", fmt::join(*camera.white_balance, ", ")));
-  row("schedule", schedule_text(summary));
-  row("exposures", exposures_text(summary));
-  row("verdict", counts_text(summary.verdicts));
-  row("source", counts_text(summary.sources));
-  if (summary.black_level) row("black level", fmt::format("{:.2f} codes of 255", (*summary.black_level)[1]));
-  row("frames", fmt::format("{} in {:.3f} s", summary.frames, to_seconds(summary.duration)));
-  row("dropped",
-      summary.dropped == 0 ? "none" : fmt::format("{} in {}", summary.dropped, counted(summary.gaps, "gap")));
+  SummaryTable table(path);
+  table.row("camera", shown_name(camera.name));
+  table.row("picture",
+            fmt::format("{}x{}, {} bits, {}", camera.width, camera.height, camera.bits, name(camera.layout)));
+  table.row("frame rate", fmt::format("{:.6g} Hz", camera.framerate_hz));
+  if (const auto& lens = camera.intrinsics) table.row("lens", describe(*lens));
+  table.row("response", camera.linear ? "linear" : camera.response.empty() ? "unknown" : "known");
+  if (camera.white_balance)
+    table.row("white", fmt::format("gains {:.4g}", fmt::join(*camera.white_balance, ", ")));
+  table.row("schedule", schedule_text(summary));
+  table.row("exposures", exposures_text(summary));
+  table.row("verdict", counts_text(summary.verdicts));
+  table.row("source", counts_text(summary.sources));
+  if (summary.black_level)
+    table.row("black level", fmt::format("{:.2f} codes of 255", (*summary.black_level)[1]));
+  table.row("frames", fmt::format("{} in {:.3f} s", summary.frames, to_seconds(summary.duration)));
+  table.row("dropped", summary.dropped == 0
+                           ? "none"
+                           : fmt::format("{} in {}", summary.dropped, counted(summary.gaps, "gap")));
   if (summary.unproved > 0)
-    row("unproved", fmt::format("{} of uncertain exposure", counted(summary.unproved, "frame")));
-  if (summary.damaged > 0) row("damaged", counted(summary.damaged, "frame"));
-  row("poses",
-      summary.with_pose == 0 ? "none" : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
-  row("size", fmt::format("{:.2f} MB, {}", static_cast<double>(summary.bytes) * 1e-6, name(summary.codec)));
+    table.row("unproved", fmt::format("{} of uncertain exposure", counted(summary.unproved, "frame")));
+  if (summary.damaged > 0) table.row("damaged", counted(summary.damaged, "frame"));
+  table.row("poses", summary.with_pose == 0
+                         ? "none"
+                         : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
+  table.row("size", fmt::format("{}, {}", describe_size(summary.bytes), name(summary.codec)));
   const std::string damage = summary.left_out.sentence();
-  if (!damage.empty()) row("unreadable", damage);
-  row("complete", summary.end ? "no: " + printable(summary.end->message) : damage.empty() ? "yes" : "no");
-  return table;
+  if (!damage.empty()) table.row("unreadable", damage);
+  table.row("complete", summary.end      ? "no: " + printable(summary.end->message)
+                        : damage.empty() ? "yes"
+                                         : "no");
+  return table.text();
 }
 
 std::string as_json(const RecordingSummary& summary, const std::string& path) {
@@ -182,9 +184,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"unreadable", summary.left_out.count},
                {"unreadable_places", summary.left_out.places},
                {"complete", !summary.end && summary.left_out.sentence().empty()}};
-  if (const auto& lens = camera.intrinsics)
-    json["intrinsics"] = {
-        {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
+  if (camera.intrinsics) json["intrinsics"] = json_of(*camera.intrinsics);
   if (summary.black_level) json["black_level"] = (*summary.black_level)[1];
   if (summary.end) json["ended_by"] = summary.end->message;
   return json_text(json, 2) + "\n";

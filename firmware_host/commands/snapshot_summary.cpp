@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "firmware_host/commands/summary_table.h"
 #include "firmware_host/printable.h"
 #include "hal/core/json_text.h"
 
@@ -34,32 +35,28 @@ int worlds(const SceneHead& scene) {
 }  // namespace
 
 std::string as_table(const SceneHead& scene, const std::string& path, std::uint64_t bytes) {
-  std::string table = printable(path) + "\n";
-  const auto row = [&](const char* what, const std::string& value) {
-    table += fmt::format("  {:<12}{}\n", what, value);
-  };
+  SummaryTable table(path);
   const FilmedRecording times = filmed(scene);
   const Keyframe& last = newest(scene);
-  row("content", "a snapshot of a scene");
-  row("saved by", printable(scene.program));
-  row("camera", scene.camera.name.empty() ? "(no name)" : printable(scene.camera.name));
-  row("picture", fmt::format("{}x{}", scene.camera.width, scene.camera.height));
-  row("frame rate", fmt::format("{:.6g} Hz", scene.camera.framerate_hz));
-  row("frames", fmt::format("{}, number {} to {}", scene.frames.size(),
-                            scene.frames.front().frame.facts.sequence, last.frame.facts.sequence));
-  row("time", fmt::format("{:.6g} to {:.6g} s of the run", times.begin_s, times.duration_s));
-  row("lens", fmt::format("f {:.6g} x {:.6g} px, centre {:.6g}, {:.6g}{}", last.lens.fx_px, last.lens.fy_px,
-                          last.lens.cx_px, last.lens.cy_px, last.frame.lens_is_assumed ? ", assumed" : ""));
-  row("poses", source_of_poses(scene));
-  row("length unit", unit_of_lengths(scene));
+  table.row("content", "a snapshot of a scene");
+  table.row("saved by", printable(scene.program));
+  table.row("camera", shown_name(scene.camera.name));
+  table.row("picture", fmt::format("{}x{}", scene.camera.width, scene.camera.height));
+  table.row("frame rate", fmt::format("{:.6g} Hz", scene.camera.framerate_hz));
+  table.row("frames", fmt::format("{}, number {} to {}", scene.frames.size(),
+                                  scene.frames.front().frame.facts.sequence, last.frame.facts.sequence));
+  table.row("time", fmt::format("{:.6g} to {:.6g} s of the run", times.begin_s, times.duration_s));
+  table.row("lens", describe(last.lens) + (last.frame.lens_is_assumed ? ", assumed" : ""));
+  table.row("poses", source_of_poses(scene));
+  table.row("length unit", unit_of_lengths(scene));
   if (const int count = worlds(scene); count > 1)
-    row("worlds", fmt::format("{}: tracking began anew in between", count));
-  row("field", scene.has_field ? "yes" : "none: no depth, no other view");
-  row("reference", fmt::format("{:.6g} s of exposure, white at radiance {:.4g}",
-                               last.frame.reference_exposure, last.frame.white));
-  row("size", fmt::format("{:.2f} MB", static_cast<double>(bytes) * 1e-6));
-  row("complete", "yes");
-  return table;
+    table.row("worlds", fmt::format("{}: tracking began anew in between", count));
+  table.row("field", scene.has_field ? "yes" : "none: no depth, no other view");
+  table.row("reference", fmt::format("{:.6g} s of exposure, white at radiance {:.4g}",
+                                     last.frame.reference_exposure, last.frame.white));
+  table.row("size", describe_size(bytes));
+  table.row("complete", "yes");
+  return table.text();
 }
 
 std::string as_json(const SceneHead& scene, const std::string& path, std::uint64_t bytes) {
@@ -83,11 +80,7 @@ std::string as_json(const SceneHead& scene, const std::string& path, std::uint64
                      {"field", scene.has_field},
                      {"poses", source_of_poses(scene)},
                      {"length_unit", unit_of_lengths(scene)},
-                     {"intrinsics",
-                      {{"fx_px", last.lens.fx_px},
-                       {"fy_px", last.lens.fy_px},
-                       {"cx_px", last.lens.cx_px},
-                       {"cy_px", last.lens.cy_px}}},
+                     {"intrinsics", json_of(last.lens)},
                      {"reference_exposure_s", last.frame.reference_exposure},
                      {"white", static_cast<double>(last.frame.white)},
                      {"bytes", bytes},
