@@ -8,6 +8,7 @@
 #include "firmware_host/commands/camera_run.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_toml.h"

@@ -6,6 +6,7 @@
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/run_files.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/live/trigger_setup.h"

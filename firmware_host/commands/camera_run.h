@@ -13,6 +13,7 @@
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 

@@ -5,6 +5,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/run_files.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/signed_text.h"
 #include "firmware_host/terminal.h"

@@ -9,6 +9,7 @@
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
+#include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/film/film_plan.h"

@@ -6,6 +6,7 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_run.h"
+#include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/output_needs.h"
