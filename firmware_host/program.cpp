@@ -1,14 +1,10 @@
 #include "firmware_host/program.h"
 
 #include <fmt/format.h>
-#include <fmt/ostream.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -24,6 +20,7 @@
 #include "firmware_host/exit_code.h"
 #include "firmware_host/log_format.h"
 #include "firmware_host/printable.h"
+#include "firmware_host/refused_words.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
@@ -92,110 +89,6 @@ std::vector<std::string> verb_names() {
 Error unknown_verb(std::string_view typed) {
   return {ErrorCode::Invalid, fmt::format("there is no verb '{}'{}; 'hdrcam --help' lists them", typed,
                                           did_you_mean(typed, verb_names()))};
-}
-
-// Of "Could not convert: --skip = x".
-std::string number_needed(const CLI::App& place, const std::string& sentence) {
-  const std::size_t begin = sentence.find(": ") + 2, end = sentence.find(" = ", begin);
-  if (end == std::string::npos) return sentence;
-  const std::string name = sentence.substr(begin, end - begin);
-  const CLI::Option* option = place.get_option_no_throw(name);
-  const bool whole = option == nullptr || !option->get_type_name().starts_with("FLOAT");
-  return fmt::format("{} takes a {}number, not '{}'", name, whole ? "whole " : "", sentence.substr(end + 3));
-}
-
-// Of "Value 0 not in range 1 to 9", which CLI11 says of words too.
-std::string range_needed(const std::string& name, const std::string& reason) {
-  const std::size_t end = reason.find(" not in range ");
-  const std::string value =
-      reason.substr(std::string_view("Value ").size(), end - std::string_view("Value ").size());
-  return fmt::format("{} takes a whole number, {}, not '{}'", name,
-                     reason.substr(end + std::string_view(" not in range ").size()), value);
-}
-
-// CLI11's words for what is wrong, in ours. Names of flags and arguments stay as the help has them.
-std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
-  std::string sentence = refused.what();
-  if (sentence.starts_with("Could not convert: ")) return number_needed(place, sentence);
-  const std::string first_word = sentence.substr(0, sentence.find_first_of(": "));
-  for (const CLI::Option* option : place.get_options()) {
-    const std::string name = option->get_name();
-    if (name != first_word) continue;
-    const std::size_t most = static_cast<std::size_t>(option->get_items_expected_max());
-    if (sentence.starts_with(name + ": At Most 1") && option->count() > most)
-      return option->count() == 2 ? name + " is given twice; give it once"
-                                  : fmt::format("{} is given {} times; give it once", name, option->count());
-    if (sentence.starts_with(name + ": 1 required")) return name + " needs a value";
-    const std::string reason = sentence.substr(std::min(name.size() + 2, sentence.size()));
-    if (reason.starts_with("Value ") && reason.find(" not in range ") != std::string::npos)
-      return range_needed(name, reason);
-    if (reason.starts_with("takes ")) return name + ' ' + reason;
-    return sentence;
-  }
-  if (!sentence.empty())
-    sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
-  return sentence;
-}
-
-// The innermost verb that was named, and the words that lead to it.
-struct NamedVerb {
-  const CLI::App* app;
-  std::string words;
-};
-NamedVerb innermost(const CLI::App& app) {
-  NamedVerb verb{&app, app.get_name()};
-  for (auto inner = app.get_subcommands(); !inner.empty(); inner = verb.app->get_subcommands()) {
-    verb.app = inner.front();
-    verb.words += ' ' + verb.app->get_name();
-  }
-  return verb;
-}
-
-// Of an argument too many: a camera without its flag, or a word that is almost a verb of this one.
-std::string meant_by(const std::string& word, const CLI::App& place) {
-  const bool is_camera = std::ranges::any_of(std::array{"sim:", "replay:", "/dev/"},
-                                             [&](const char* start) { return word.starts_with(start); });
-  if (is_camera && place.get_option_no_throw("--camera") != nullptr)
-    return fmt::format(" (did you mean '--camera {}'?)", word);
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : place.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
-  return did_you_mean(word, verbs);
-}
-
-// Of an unknown flag: the verbs that have it, or else one of this verb that is almost the same.
-std::string meant_by_flag(const CLI::App& app, const std::string& flag,
-                          const std::vector<std::string>& known) {
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands(nullptr))
-    if (verb->get_option_no_throw(flag) != nullptr) verbs.push_back(verb->get_name());
-  return verbs.empty() ? did_you_mean(flag, known) : fmt::format(" (a flag of {})", fmt::join(verbs, ", "));
-}
-
-// The sentence for a command line that CLI11 refused. An unknown flag comes first, because it usually causes
-// the other errors (its value was taken for a positional, or the intended flag is missing).
-Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
-  const NamedVerb verb = innermost(app);
-  const CLI::App& place = *verb.app;
-  const std::string help = verb.words + " --help";
-  std::vector<std::string> flags;
-  for (const CLI::Option* option : place.get_options())
-    for (const auto& word : option->get_lnames()) flags.push_back("--" + word);
-
-  const std::vector<std::string> extras = app.remaining(true);
-  const auto extra_flag = std::find_if(extras.begin(), extras.end(),
-                                       [](const std::string& word) { return word.starts_with('-'); });
-  if (extra_flag != extras.end()) {
-    const std::string flag = extra_flag->substr(0, extra_flag->find('='));
-    if (place.get_option_no_throw(flag) != nullptr)  // behind its verb it would have been understood
-      return {ErrorCode::Invalid,
-              fmt::format("flag '{}' belongs behind '{}'; see '{}'", flag, verb.words, help)};
-    return {ErrorCode::Invalid,
-            fmt::format("unknown flag '{}'{}; see '{}'", flag, meant_by_flag(app, flag, flags), help)};
-  }
-  if (!extras.empty())
-    return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),
-                                            meant_by(extras.front(), place), help)};
-  return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence_of(place, refused), help)};
 }
 
 // "hdrcam help [TOPIC]" is rewritten to the equivalent flag.
