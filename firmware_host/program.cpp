@@ -4,28 +4,24 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <memory>
-#include <mutex>
 #include <ostream>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/exit_code.h"
 #include "firmware_host/log_format.h"
+#include "firmware_host/noting_storage.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/refused_words.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/version.h"
-#include "hal/forwarding_storage.h"
 
 namespace hdrcam {
 namespace {
@@ -165,43 +161,6 @@ Error lost_output(int code, std::string_view consequence) {
   return {full ? ErrorCode::NoSpace : ErrorCode::Io,
           fmt::format("cannot write to the standard output: {}{}", reason, consequence)};
 }
-
-// Another storage that remembers whether anything was written to it, and which folders were made.
-class NotingStorage final : public ForwardingStorage {
- public:
-  using ForwardingStorage::ForwardingStorage;
-  bool written() const { return written_; }
-
-  Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
-    written_ = true;
-    return ForwardingStorage::create(path, how);
-  }
-  Result<void> make_directories(const std::string& path) override {
-    std::vector<std::string> missing;
-    for (std::filesystem::path folder = path; !folder.empty() && !is_there(inner_, folder.string());
-         folder = folder.parent_path())
-      missing.push_back(folder.string());
-    {
-      const std::lock_guard lock(mutex_);
-      made_.insert(made_.end(), missing.rbegin(), missing.rend());
-    }
-    return ForwardingStorage::make_directories(path);
-  }
-
-  // Of those that it made.
-  void remove_empty_folders() {
-    const std::lock_guard lock(mutex_);
-    std::error_code in_use;  // a folder that holds something stays
-    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
-      std::filesystem::remove(*folder, in_use);
-    made_.clear();
-  }
-
- private:
-  std::atomic<bool> written_{false};
-  std::mutex mutex_;
-  std::vector<std::string> made_;  // the outer ones first
-};
 
 }  // namespace
 
