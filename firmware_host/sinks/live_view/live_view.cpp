@@ -26,12 +26,25 @@ std::optional<T> number_in(const HttpRequest& request, std::string_view name) {
   return parse_number<T>(text->second);
 }
 
-// Stops brighter; 0 where none are asked for, nullopt where they are none.
-constexpr const char* kNoExposure = "ev is a number of stops, -16 to 16";
-std::optional<double> exposure_in(const HttpRequest& request) {
-  if (!request.query.contains("ev")) return 0;
+// Stops brighter; 0 where none are asked for. Errors: Invalid where they are none.
+Result<double> exposure_in(const HttpRequest& request) {
+  constexpr double kMost = 16;
+  if (!request.query.contains("ev")) return 0.0;
   const auto ev = number_in<double>(request, "ev");
-  return ev && std::abs(*ev) <= 16 ? ev : std::nullopt;
+  if (ev && std::abs(*ev) <= kMost) return *ev;
+  return Error{ErrorCode::Invalid, fmt::format("ev is a number of stops, -{0:g} to {0:g}", kMost)};
+}
+
+// Errors: Invalid for a look that is none.
+Result<PictureRequest> picture_in(const HttpRequest& request) {
+  PictureRequest wanted;
+  if (const auto look = request.query.find("look"); look != request.query.end()) {
+    const auto known = picture_look(look->second);
+    if (!known) return Error{ErrorCode::Invalid, "look is tone, false or provenance"};
+    wanted.look = *known;
+  }
+  wanted.exposure_ev = TRY(exposure_in(request));
+  return wanted;
 }
 
 HttpAnswer no_frame() { return http_error(503, "no frame has been emitted yet"); }
@@ -126,33 +139,26 @@ std::vector<HttpRoute> LiveView::routes() {
   return routes;
 }
 
-HttpAnswer LiveView::picture(const HttpRequest& request) {
+template <class Encode>
+HttpAnswer LiveView::newest_picture(const HttpRequest& request, const char* type, const Encode& encode) {
   const ShownFrame* const frame = newest_.read();
   if (frame == nullptr) return no_frame();
   if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
-  PictureRequest wanted;
-  if (const auto look = request.query.find("look"); look != request.query.end()) {
-    const auto known = picture_look(look->second);
-    if (!known) return http_error(400, "look is tone, false or provenance");
-    wanted.look = *known;
-  }
-  const auto ev = exposure_in(request);
-  if (!ev) return http_error(400, kNoExposure);
-  wanted.exposure_ev = *ev;
-  const Result<HttpBody> jpeg = pictures_.jpeg(*frame, wanted);
-  if (!jpeg) return answer_of(jpeg.error());
-  return {.type = "image/jpeg", .body = jpeg.value(), .headers = {sequence_header(*frame)}};
+  const Result<HttpBody> picture = encode(*frame);
+  if (!picture) return answer_of(picture.error());
+  return {.type = type, .body = picture.value(), .headers = {sequence_header(*frame)}};
+}
+
+HttpAnswer LiveView::picture(const HttpRequest& request) {
+  return newest_picture(request, "image/jpeg", [&](const ShownFrame& frame) -> Result<HttpBody> {
+    return pictures_.jpeg(frame, TRY(picture_in(request)));
+  });
 }
 
 HttpAnswer LiveView::light(const HttpRequest& request) {
-  const ShownFrame* const frame = newest_.read();
-  if (frame == nullptr) return no_frame();
-  if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
-  const auto ev = exposure_in(request);
-  if (!ev) return http_error(400, kNoExposure);
-  const Result<HttpBody> png = lights_.png(*frame, *ev);
-  if (!png) return answer_of(png.error());
-  return {.type = "image/png", .body = png.value(), .headers = {sequence_header(*frame)}};
+  return newest_picture(request, "image/png", [&](const ShownFrame& frame) -> Result<HttpBody> {
+    return lights_.png(frame, TRY(exposure_in(request)));
+  });
 }
 
 HttpAnswer LiveView::exr(const HttpRequest&) {

@@ -56,6 +56,9 @@ class LiveView : public FrameSink {
       : options_(std::move(options)), control_(control), lights_(options_.video) {}
 
   std::vector<HttpRoute> routes();
+  // Of the newest frame, unless the request names it as the one that it has. encode: of that frame.
+  template <class Encode>
+  HttpAnswer newest_picture(const HttpRequest& request, const char* type, const Encode& encode);
   HttpAnswer picture(const HttpRequest& request);
   HttpAnswer light(const HttpRequest& request);
   HttpAnswer exr(const HttpRequest& request);
