@@ -25,14 +25,29 @@ std::vector<std::string> differences(const Settings::Camera& asked, const Camera
   return notes;
 }
 
+// Errors: Unsupported where the stream and the work on it need more memory than the settings allow.
+Result<void> admit_stream(const Settings& settings, const StreamMode& mode, LiveWork work) {
+  const int width = mode.width, height = mode.height;
+  std::uint64_t bytes =
+      capture_bytes(width, height, settings, LiveOptions::kFewestFrames, LiveOptions::kMostFrames);
+  if (work == LiveWork::Fit) bytes += fit_bytes(width, height, settings);
+  if (is_simulated(settings.camera.id)) bytes += simulator_bytes(width, height);
+  const char* const fit = work == LiveWork::Fit ? " with its fit" : "";
+  return admit_parts(settings, fmt::format("a stream of {}x{}{}", width, height, fit), bytes);
+}
+
+// Errors: Invalid where a run without a fit would ask it for exposures.
+Result<void> check_adapt(Adapt adapt, LiveWork work) {
+  if (adapt != Adapt::Motion || work != LiveWork::RecordOnly) return {};
+  return Error{ErrorCode::Invalid,
+               "--adapt motion asks the fit, and this run only records; use --adapt light or 'hdrcam live'"};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
-  if (settings.schedule.adapt == Adapt::Motion && limits.work == LiveWork::RecordOnly)
-    return Error{
-        ErrorCode::Invalid,
-        "--adapt motion asks the fit, and this run only records; use --adapt light or 'hdrcam live'"};
+  TRY(check_adapt(settings.schedule.adapt, limits.work));
   std::unique_ptr<CameraSource> source(new CameraSource(settings, storage, stop));
   if (const std::string& takes = settings.output.http_takes; !takes.empty())
     source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
@@ -42,16 +57,9 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->camera_ = TRY(open_camera(settings.camera.id, storage, source->lines_->wiring()));
   source->exposure_fixed_ = !source->camera_->capabilities().sets_exposure;
   CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
-  const StreamMode& mode = setup.options.mode;
-  TRY(source->lines_->open(mode.frame_duration));
+  TRY(source->lines_->open(setup.options.mode.frame_duration));
   setup.options.trigger = source->lines_->trigger();
-  const bool fits = limits.work == LiveWork::Fit;
-  const bool simulated = settings.camera.id.starts_with("sim:");
-  TRY(admit_parts(
-      settings, fmt::format("a stream of {}x{}{}", mode.width, mode.height, fits ? " with its fit" : ""),
-      capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames, LiveOptions::kMostFrames) +
-          (fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
-          (simulated ? simulator_bytes(mode.width, mode.height) : 0)));
+  TRY(admit_stream(settings, setup.options.mode, limits.work));
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
                                             setup.mains, setup.options));
   source->facts_ = source->capture_->facts();

@@ -53,12 +53,13 @@ std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& m
 
 }  // namespace
 
+bool is_simulated(const std::string& id) { return id.starts_with(kSim); }
 bool is_replayed(const std::string& id) { return id.starts_with(kReplay); }
 std::string replayed_file(const std::string& id) { return id.substr(kReplay.size()); }
 
 Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage,
                                             const SimulatedWiring& wiring) {
-  if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()), wiring);
+  if (is_simulated(id)) return open_simulated_camera(std::string_view(id).substr(kSim.size()), wiring);
   if (is_replayed(id))
     return open_replayed_camera(storage, replayed_file(id), ReplayPace::AsRecorded, posix_clock());
   if (const auto file = storage.look_at(id);

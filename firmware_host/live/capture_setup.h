@@ -23,6 +23,7 @@ struct CaptureSetup {
 // simulated one. Errors: those of opening it.
 Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage,
                                             const SimulatedWiring& wiring = {});
+bool is_simulated(const std::string& id);
 bool is_replayed(const std::string& id);
 // The recording of a camera "replay:FILE".
 std::string replayed_file(const std::string& id);

@@ -17,7 +17,7 @@ Error refused(std::string sentence) { return {ErrorCode::Invalid, std::move(sent
 
 // A simulated camera has wires of its own, and hears of no others.
 Result<void> check_place(const std::string& line, const char* flag, const std::string& camera) {
-  const bool simulated = camera.starts_with("sim:");
+  const bool simulated = is_simulated(camera);
   if (line.empty() || simulated == (line == kSimulated)) return {};
   if (simulated)
     return refused(
