@@ -7,6 +7,7 @@
 #include "firmware_host/bench/cost_page.h"
 #include "firmware_host/bench/kernel_rates.h"
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/json_flag.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/run_limits.h"
@@ -109,22 +110,16 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
 struct KernelBenchFlags {
   int width = 640, height = 480;
   double seconds = 0.2;
-  std::string json;
+  JsonFlag json;
   KeptWork kept;
 };
 
 Result<void> bench_kernels(Surroundings& around, const KernelBenchFlags& flags) {
-  const bool json_alone = flags.json == kStandardOutput;
-  TRY(flags.kept.check(around.storage, {}, {{"--json", json_alone ? "" : flags.json}}));
+  TRY(flags.kept.check(around.storage, {}, {flags.json.output()}));
   const KernelRates rates =
       TRY(measure_kernels(kernel_tasks(flags.height, flags.width), flags.seconds, around.stop));
-  if (!flags.json.empty()) {
-    const std::string text = rates_json(rates, flags.height, flags.width);
-    if (json_alone) return say("{}", text), Result<void>{};
-    TRY(write_whole(around.storage, flags.json, std::as_bytes(std::span(text))));
-  }
-  say("{}", rates_table(rates));
-  return {};
+  if (!flags.json.stands_for_table()) say("{}", rates_table(rates));
+  return flags.json.write(around.storage, rates_json(rates, flags.height, flags.width));
 }
 
 void add_bench_kernels(CommandLine bench, Verb& chosen) {
@@ -140,9 +135,7 @@ void add_bench_kernels(CommandLine bench, Verb& chosen) {
         return sound ? std::string() : fmt::format("takes seconds, 0.001 to 60, not '{}'", text);
       })
       .show_default();
-  verb.add_option("--json", flags->json,
-                  "also write the figures to this file; -: print them instead of the table")
-      .check(names_file);
+  flags->json.add_to(verb, "the figures");
   flags->kept.add_without_force(verb);
   verb.on_chosen(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_kernels(around, *flags); }; });

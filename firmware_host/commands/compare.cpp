@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/json_flag.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_files.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -16,7 +17,8 @@ namespace hdrcam {
 namespace {
 
 struct CompareFlags {
-  std::string clip, estimates, json, label;
+  std::string clip, estimates, label;
+  JsonFlag json;
   int skip = 1;
   KeptWork kept;
 };
@@ -82,19 +84,14 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
   TRY(check_clip_folder(around.storage, flags.clip));
   TRY(check_folder(around.storage, flags.estimates, "the folder with its HDR frames"));
-  const bool json_alone = flags.json == kStandardOutput;
-  TRY(flags.kept.check(around.storage, files_of_clip(flags.clip),
-                       {{"--json", json_alone ? "" : flags.json}}));
+  TRY(flags.kept.check(around.storage, files_of_clip(flags.clip), {flags.json.output()}));
   const FreedPicturesStay stay;
   const ClipScores scores =
       TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);
   const std::string label = flags.label.empty() ? folder_name(flags.estimates) : flags.label;
-  const std::string json = to_json(scores, clip, label);
-  if (json_alone) return say("{}", json), Result<void>{};
-  print(scores, clip, label);
-  if (flags.json.empty()) return {};
-  return write_whole(around.storage, flags.json, std::as_bytes(std::span(json)));
+  if (!flags.json.stands_for_table()) print(scores, clip, label);
+  return flags.json.write(around.storage, to_json(scores, clip, label));
 }
 
 }  // namespace
@@ -107,9 +104,7 @@ void add_compare(CommandLine program, Verb& chosen) {
   verb.add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
       .required()
       .check(names_file);
-  verb.add_option("--json", flags->json,
-                  "also write the scores to this file; -: print them instead of the table")
-      .check(names_file);
+  flags->json.add_to(verb, "the scores");
   verb.add_option("--skip", flags->skip, "frames left out at either end of the clip").show_default();
   verb.add_option("--label", flags->label, "name of the estimates in the table (default: the folder's name)");
   flags->kept.add_without_force(verb);
