@@ -48,9 +48,10 @@ Result<void> check_adapt(Adapt adapt, LiveWork work) {
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
   TRY(check_adapt(settings.schedule.adapt, limits.work));
-  std::unique_ptr<CameraSource> source(new CameraSource(settings, storage, stop));
+  std::unique_ptr<CameraSource> source(new CameraSource(settings, stop));
   if (const std::string& takes = settings.output.http_takes; !takes.empty())
-    source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
+    source->takes_.emplace(storage, TRY(FramePattern::parse("--http-record", takes, ".mkv")),
+                           settings.record.codec);
   source->replayed_ = is_replayed(settings.camera.id);
   source->work_ = limits.work;
   source->lines_ = TRY(CameraLines::prepare(settings));  // before the camera's threads
@@ -141,26 +142,10 @@ std::string CameraSource::strobe_account() const {
 }
 
 std::string CameraSource::takes_account() const {
-  std::string text;
-  std::uint64_t end = session_->counters().in_takes;
-  for (auto take = started_takes_.rbegin(); take != started_takes_.rend(); ++take) {
-    text.insert(0, fmt::format("{}: {}\n", take->path, counted(end - take->before, "frame")));
-    end = take->before;
-  }
-  return text;
+  return takes_ ? takes_->account(session_->counters().in_takes) : "";
 }
 
 std::vector<NamedValue> CameraSource::counters() const { return named(session_->counters()); }
-
-// The next number that no file has.
-Result<std::unique_ptr<RecordingWriter>> CameraSource::create_take() {
-  TRY(storage_.make_directories(takes_->folder()));
-  for (;; ++next_take_) {
-    recording_ = takes_->path(next_take_);
-    auto take = create_recording(storage_, recording_, facts_, Creation::New, codec_);
-    if (take || take.error().code != ErrorCode::Exists) return take;
-  }
-}
 
 Result<std::string> CameraSource::start_recording() {
   if (!takes_)
@@ -168,10 +153,10 @@ Result<std::string> CameraSource::start_recording() {
                  "this run has no place for recordings; start it with --http-record takes/%03d.mkv"};
   TRY(session_->may_record());
   const std::uint64_t before = session_->counters().in_takes;
-  auto take = create_take();
-  Result<void> started = take ? session_->start_recording(std::move(take).value()) : take.error();
-  if (!started) return recording_.clear(), started.error();
-  started_takes_.push_back({recording_, before});
+  Takes::Created take = TRY(takes_->create(facts_));
+  TRY(session_->start_recording(std::move(take.writer)));
+  takes_->started(take.path, before);
+  recording_ = take.path;
   return recording_;
 }
 

@@ -11,10 +11,10 @@
 
 #include "firmware_host/live/live_session.h"
 #include "firmware_host/live/service_watch.h"
+#include "firmware_host/live/takes.h"
 #include "firmware_host/live/trigger_setup.h"
 #include "firmware_host/run/frame_source.h"
 #include "firmware_host/settings/settings.h"
-#include "firmware_host/sinks/frame_pattern.h"
 #include "hal/clock.h"
 #include "hal/storage.h"
 
@@ -68,22 +68,13 @@ class CameraSource : public FrameSource, public RunControl {
   LiveEnd end() const { return end_; }
 
  private:
-  CameraSource(const Settings& settings, Storage& storage, const std::atomic<bool>& stop)
+  CameraSource(const Settings& settings, const std::atomic<bool>& stop)
       : stop_(stop),
-        storage_(storage),
         adapt_(settings.schedule.adapt),
         gain_(settings.schedule.gain),
-        codec_(settings.record.codec),
         recording_(settings.record.file) {}
-  Result<std::unique_ptr<RecordingWriter>> create_take();
-
-  struct Take {
-    std::string path;
-    std::uint64_t before = 0;  // frames in the takes before it, which are complete
-  };
 
   const std::atomic<bool>& stop_;
-  Storage& storage_;
   std::unique_ptr<CameraLines> lines_;
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<CaptureStage> capture_;
@@ -95,13 +86,10 @@ class CameraSource : public FrameSource, public RunControl {
   bool replayed_ = false;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;
-  std::string gain_;                   // of the cycle, as --gain is written
-  const RecordingCodec codec_;         // of recordings
-  std::string recording_;              // the file that is open; "" for none
-  std::optional<FramePattern> takes_;  // recordings that a person starts
-  std::uint64_t next_take_ = 1;
-  std::vector<Take> started_takes_;
-  FrameShare frame_;  // the one that next() returned
+  std::string gain_;            // of the cycle, as --gain is written
+  std::string recording_;       // the file that is open; "" for none
+  std::optional<Takes> takes_;  // recordings that a person starts; none where the user named no place
+  FrameShare frame_;            // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();
 };
