@@ -70,6 +70,8 @@ int text_width(const std::string& line, int height) {
   return cv::getTextSize(line, kFont, height / kCapitals_px, 1, &below_baseline).width;
 }
 
+int rows_at_width(int rows, int cols, int width) { return std::max(1, rows * width / cols); }
+
 Image<std::uint8_t> resized(const Image<std::uint8_t>& picture, int rows, int cols) {
   return resized_planes(picture, rows, cols);
 }

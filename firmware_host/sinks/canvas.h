@@ -28,6 +28,8 @@ class Canvas {
 // The width in pixels of a line that Canvas::write would draw.
 int text_width(const std::string& line, int height);
 
+// The rows of a picture of rows x cols that is made so wide in its shape; at least one.
+int rows_at_width(int rows, int cols, int width);
 // Averaged down (or interpolated up) to rows x cols.
 Image<std::uint8_t> resized(const Image<std::uint8_t>& picture, int rows, int cols);
 Image<float> resized(const Image<float>& picture, int rows, int cols);

@@ -30,7 +30,7 @@ constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224}, kUnknown{96, 96, 96};
 constexpr float kBrightest = 0.98f;  // quantile of 1 / depth shown as the brightest
 
 int cell_rows(int rows, int cols) {
-  return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols);
+  return cols <= kCellWidth_px ? rows : rows_at_width(rows, cols, kCellWidth_px);
 }
 int cell_cols(int cols) { return std::min(cols, kCellWidth_px); }
 

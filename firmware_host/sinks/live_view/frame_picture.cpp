@@ -78,7 +78,7 @@ Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureReques
   if (done != encoded_.end()) return done->bytes;
   Image<std::uint8_t> picture = picture_of(frame.hdr, request, anchors_);
   if (picture.cols() > kWidest_px)
-    picture = resized(picture, std::max(1, picture.rows() * kWidest_px / picture.cols()), kWidest_px);
+    picture = resized(picture, rows_at_width(picture.rows(), picture.cols(), kWidest_px), kWidest_px);
   auto bytes = std::make_shared<const std::vector<std::byte>>(TRY(encode_jpeg(picture, kQuality)));
   if (encoded_.size() == kMostEncoded) encoded_.erase(encoded_.begin());
   encoded_.push_back({request, bytes});

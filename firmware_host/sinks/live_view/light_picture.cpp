@@ -61,7 +61,7 @@ Result<HttpBody> LightPicture::png(const ShownFrame& frame, double exposure_ev) 
   const Image<float>* radiance = &frame.hdr.radiance;
   Image<float> smaller;
   if (radiance->cols() > FramePicture::kWidest_px) {
-    smaller = resized(*radiance, std::max(1, radiance->rows() * FramePicture::kWidest_px / radiance->cols()),
+    smaller = resized(*radiance, rows_at_width(radiance->rows(), radiance->cols(), FramePicture::kWidest_px),
                       FramePicture::kWidest_px);
     radiance = &smaller;
   }
