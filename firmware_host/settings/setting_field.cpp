@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "capture/exposure.h"
 #include "firmware_host/settings/suggestion.h"
@@ -15,8 +14,6 @@
 
 namespace hdrcam {
 namespace {
-
-constexpr double kMostInt = std::numeric_limits<int>::max();
 
 bool is_number(const SettingField& field) {
   return field.type == SettingType::Whole || field.type == SettingType::Real;
@@ -54,7 +51,7 @@ std::optional<SettingValue> converted(const SettingField& field, const SettingVa
   const auto* whole = std::get_if<int>(&value);
   const auto* real = std::get_if<double>(&value);
   if (field.type == SettingType::Real && whole) return static_cast<double>(*whole);
-  if (field.type == SettingType::Whole && real && std::abs(*real) <= kMostInt && *real == std::trunc(*real))
+  if (field.type == SettingType::Whole && real && std::abs(*real) <= kUnlimited && *real == std::trunc(*real))
     return static_cast<int>(*real);
   if (field.type == SettingType::Real ? real != nullptr : whole != nullptr) return value;
   return std::nullopt;
@@ -108,7 +105,7 @@ std::string describe(const SettingField& field) {
   if (field.type == SettingType::Knob) notes.push_back(accepted_values(*field.knob));
   if (field.type == SettingType::TimeOrOff) notes.push_back(accepted(field));
   if (!field.choices.empty()) notes.push_back(words_of(field));
-  if (is_number(field) && field.range.most < kMostInt)
+  if (is_number(field) && field.range.most < kUnlimited)
     notes.push_back(fmt::format("{}..{}", field.range.least, field.range.most));
   if (*field.unset != '\0')
     notes.push_back(

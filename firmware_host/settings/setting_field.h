@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,6 +36,9 @@ enum class SettingType {
 
 // A value as given or printed; choices and words are texts.
 using SettingValue = std::variant<std::string, int, double, bool>;
+
+// The most of a whole number that has no limit of its own; the help then says none.
+inline constexpr int kUnlimited = std::numeric_limits<int>::max();
 
 // The range of a number: least..most, or the one value besides that means "not set".
 struct SettingRange {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -13,8 +12,6 @@
 
 namespace hdrcam {
 namespace {
-
-constexpr double kMostInt = std::numeric_limits<int>::max();
 
 template <class T>
 constexpr SettingType kTypeOf = std::is_same_v<T, bool>     ? SettingType::Switch
@@ -340,7 +337,7 @@ std::vector<SettingField> fit_fields() {
       readout_field(),
       backend_field(),
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
-                                       {0, kMostInt, {}}),
+                                       {0, kUnlimited, {}}),
       flag_of_knob("code_noise", "fit.code_noise", "--code-noise",
                    "start value of the estimated compression noise, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
                    1.0),
