@@ -47,6 +47,14 @@ Error lacks_unit(std::string_view text) {
   return {ErrorCode::Invalid, fmt::format("the time '{0}' has no unit; write {0}ms or {0}s", trimmed(text))};
 }
 
+// sorted: at least one.
+double nearest_of(std::span<const double> sorted, double value) {
+  const auto above = std::ranges::lower_bound(sorted, value);
+  if (above == sorted.begin()) return sorted.front();
+  if (above == sorted.end() || value - *(above - 1) < *above - value) return *(above - 1);
+  return *above;
+}
+
 }  // namespace
 
 bool outlasts_frame(double exposure_s, double interval_s) {
@@ -144,8 +152,12 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
                  fmt::format("shutter {} is outside what '{}' offers, {} to {}; choose one within",
                              describe(exposure.time), camera.id, describe(camera.exposure_min),
                              describe(camera.exposure_max))};
-  const double half_code = camera.gain_step / 2 + 1e-9;
-  if (exposure.gain < camera.gain_min - half_code || exposure.gain > camera.gain_max + half_code)
+  const std::vector<double>& gains = camera.gains;
+  const bool uneven = gains.size() > 1;
+  const double lowest_step = uneven ? gains[1] - gains[0] : camera.gain_step;
+  const double highest_step = uneven ? gains.back() - gains[gains.size() - 2] : camera.gain_step;
+  if (exposure.gain < camera.gain_min - (lowest_step / 2 + 1e-9) ||
+      exposure.gain > camera.gain_max + (highest_step / 2 + 1e-9))
     return Error{ErrorCode::BadExposure,
                  fmt::format("gain {:.4g} is outside what '{}' offers, {:.4g} to {:.4g}; choose one within",
                              exposure.gain, camera.id, camera.gain_min, camera.gain_max)};
@@ -154,7 +166,9 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
   if (camera.exposure_step > Duration(1))
     nearest.time = (exposure.time + half_line) / camera.exposure_step * camera.exposure_step;
   nearest.time = std::clamp(nearest.time, camera.exposure_min, camera.exposure_max);
-  if (camera.gain_step > 0)
+  if (uneven)
+    nearest.gain = nearest_of(gains, exposure.gain);
+  else if (camera.gain_step > 0)
     nearest.gain =
         camera.gain_min + std::round((exposure.gain - camera.gain_min) / camera.gain_step) * camera.gain_step;
   nearest.gain = std::clamp(nearest.gain, camera.gain_min, camera.gain_max);

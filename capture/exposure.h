@@ -74,7 +74,7 @@ std::string describe(const Exposure& exposure);
 std::string describe(std::span<const Exposure> cycle);
 
 // The nearest exposure that the sensor can do: time in whole lines (exposure_step), gain in whole codes
-// (gain_step). BadExposure where it is outside the sensor's range, naming the range.
+// (gain_step, or gains). BadExposure where it is outside the sensor's range, naming the range.
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera);
 
 }  // namespace hdrcam

@@ -99,7 +99,9 @@ struct CameraCapabilities {
   Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
-  double gain_step = 0;                                         // 0: continuous
+  double gain_step = 0;                                         // 0: continuous, or as gains says
+  // All of them, increasing, where their steps are not alike; empty: gain_step.
+  std::vector<double> gains;
   bool sets_exposure = false;          // false: the camera delivers frames, but its exposure is fixed
   std::vector<ExposureRequest> cycle;  // exposures of its frames, where it sets none and they are known
   bool reports_exposure = false;       // completed buffers report their exposure

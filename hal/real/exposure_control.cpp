@@ -143,10 +143,18 @@ void ExposureControl::describe(CameraCapabilities& camera) const {
   camera.exposure_max = duration(exposure_.max);
   camera.exposure_step = duration(exposure_.step);
   camera.gain_min = camera.gain_max = 1, camera.gain_step = 0;
+  camera.gains.clear();
   if (gain_.id == 0) return;
   camera.gain_min = gain_codes_.gain_of(static_cast<double>(gain_.min));
   camera.gain_max = gain_codes_.gain_of(static_cast<double>(gain_.max));
-  camera.gain_step = gain_codes_.gain_of(static_cast<double>(gain_.min + gain_.step)) - camera.gain_min;
+  if (gain_codes_.law == GainCodes::Law::Proportional) {
+    camera.gain_step = gain_codes_.gain_of(static_cast<double>(gain_.min + gain_.step)) - camera.gain_min;
+    return;
+  }
+  constexpr std::int64_t kMostCodes = 1 << 16;  // of a sensor; a control of more is as good as continuous
+  if ((gain_.max - gain_.min) / gain_.step > kMostCodes) return;
+  for (std::int64_t code = gain_.min; code <= gain_.max; code += gain_.step)
+    camera.gains.push_back(gain_codes_.gain_of(static_cast<double>(code)));
 }
 
 Result<void> ExposureControl::write(const ExposureRequest& wanted, int request_fd) const {

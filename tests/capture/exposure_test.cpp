@@ -95,5 +95,18 @@ TEST_CASE("exposures are those that the sensor can do", "[capture]") {
   CHECK(quantised({4009us, 1.13}, continuous).value() == Exposure{4009us, 1.13});
 }
 
+TEST_CASE("a gain whose steps grow with it becomes the nearest one that the sensor has", "[capture]") {
+  CameraCapabilities camera = sensor();
+  camera.gain_step = 0;
+  for (int code = 0; code <= 232; ++code) camera.gains.push_back(256. / (256 - code));
+  camera.gain_max = camera.gains.back();
+  CHECK(quantised({4ms, 10}, camera).value().gain == Approx(256. / 26));  // 9.85, not 10; the next is 10.24
+  CHECK(quantised({4ms, 10.1}, camera).value().gain == Approx(256. / 25));
+  CHECK(quantised({4ms, 1.001}, camera).value().gain == 1);
+  CHECK(quantised({4ms, 10.8}, camera).value().gain == Approx(256. / 24));
+  CHECK_FALSE(quantised({4ms, 11}, camera).ok());
+  CHECK_FALSE(quantised({4ms, .99}, camera).ok());
+}
+
 }  // namespace
 }  // namespace hdrcam

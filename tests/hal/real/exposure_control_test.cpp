@@ -29,6 +29,7 @@ struct SensorDriver {
   std::set<std::uint32_t> fixed{V4L2_CID_HBLANK, V4L2_CID_PIXEL_RATE};  // that can only be read
 
   std::int64_t most(std::uint32_t id) const {
+    if (id == V4L2_CID_ANALOGUE_GAIN) return 232;
     return id == V4L2_CID_EXPOSURE ? kHeight + values.at(V4L2_CID_VBLANK) - 4 : 100'000'000;
   }
   void set(std::uint32_t id, std::int64_t value) {
@@ -96,6 +97,21 @@ TEST_CASE("the limits of a sensor's exposure are times before it is configured, 
   CHECK(camera.exposure_step == Duration(33'333));
   CHECK(camera.exposure_min == Duration(33'333));
   CHECK(camera.exposure_max == Duration(49'200'000));  // 480 + 1000 - 4 of them
+}
+
+TEST_CASE("the gains of a sensor are those of its codes, whose steps grow with the gain") {
+  SensorDriver driver;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  CameraCapabilities camera;
+  ExposureControl::of_sensor(sensor, "imx219 10-0010").describe(camera);
+  REQUIRE(camera.gains.size() == 232);
+  CHECK(camera.gain_step == 0);
+  CHECK(camera.gains.front() == camera.gain_min);
+  CHECK(camera.gains.back() == camera.gain_max);
+  CHECK(camera.gains[229] == Approx(256. / 26));
+  CHECK(camera.gains[230] == Approx(256. / 25));
 }
 
 TEST_CASE("controls that a driver lets nobody set stay as they are, and the frame duration is what it is") {
