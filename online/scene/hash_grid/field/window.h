@@ -160,7 +160,12 @@ void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
   const T last_x = T(base.cols() - 1), last_y = T(base.rows() - 1);
   const bool inside_x = x > 0 && x<last_x, inside_y = y> 0 && y < last_y;
-  x = std::clamp(x, T(0), last_x), y = std::clamp(y, T(0), last_y);
+  // as in spot_at() of ../fit/vulkan/ray.glsl: what is not a number is in the picture, too
+  const auto within = [](T at, T last) {
+    const T near = at < last ? at : last;
+    return near > 0 ? near : T(0);
+  };
+  x = within(x, last_x), y = within(y, last_y);
   const int i = std::min(static_cast<int>(x), std::max(base.cols() - 2, 0));
   const int j = std::min(static_cast<int>(y), std::max(base.rows() - 2, 0));
   const int right = base.cols() > 1 ? 1 : 0, below = base.rows() > 1 ? 1 : 0;

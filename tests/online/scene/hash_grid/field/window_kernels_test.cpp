@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "online/scene/hash_grid/field/view_geometry.h"
+#include "online/scene/hash_grid/field/window.h"
 #include "tests/support/numbers.h"
 
 #include <catch2/catch.hpp>
@@ -267,4 +268,20 @@ TEST_CASE("a pixel that lost its match does not turn its block's motion, and a b
   CHECK(confidence[0] == 0.75f);
   CHECK(x[1] == Approx(2).margin(1e-3));
   CHECK(confidence[1] == 0);
+}
+
+TEST_CASE("a place that is not a number has the base of the picture's last pixel, as on a graphics device") {
+  Image<BasePixel> base(1, 3, 4);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 4; ++x) base.at(0, y, x).fill(static_cast<float>(10 * y + x));
+  float value[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels];
+  const float nowhere[] = {kNan, kNan}, left[] = {-kInf, 1.5f}, right[] = {kInf, 1.5f};
+  fetch_base(base, nowhere, value, d_x, d_y);
+  CHECK(value[0] == 23);
+  CHECK(d_x[0] == 0);
+  CHECK(d_y[0] == 0);
+  fetch_base(base, left, value);
+  CHECK(value[0] == 10);
+  fetch_base(base, right, value);
+  CHECK(value[0] == 13);
 }
