@@ -226,6 +226,13 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     if (const int lost = lost_results(); lost != 0)
       return end_with(lost_output(lost, noting.written() ? "; the files are complete" : ""));
     return kExitOk;
+  } catch (const std::system_error& refused) {
+    if (refused.code() == std::errc::resource_unavailable_try_again)
+      return end_with({ErrorCode::Io,
+                       "the system starts no further thread; raise the limit of processes (ulimit -u, or "
+                       "TasksMax of a service), or end other programs"});
+    tell(fmt::format("internal error: {}", refused.what()));
+    return kExitInternal;
   } catch (const std::exception& bug) {
     tell(fmt::format("internal error: {}", bug.what()));
     return kExitInternal;

@@ -1,6 +1,7 @@
 #include "online/response/response_learner.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace hdrcam {
@@ -10,6 +11,16 @@ namespace {
 long pause_after(long frames, long least) {
   constexpr long kMost = 300;
   return std::clamp(frames / 2, least, kMost);
+}
+
+// On a thread of its own; where the system has none to give, by whoever asks for the result.
+template <class Fit>
+std::future<ResponseEstimate> started(const Fit& fit) {
+  try {
+    return std::async(std::launch::async, fit);
+  } catch (const std::system_error&) {
+    return std::async(std::launch::deferred, fit);
+  }
 }
 
 }  // namespace
@@ -48,7 +59,7 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
   if (!fit_.valid() && gathered < options_.frames) {
     window_.emplace_back(frame, options_.bits);
     if (gathered + 1 == options_.frames)
-      fit_ = std::async(std::launch::async, [this, noise] {
+      fit_ = started([this, noise] {
         look(window_, SceneCuts::Possible);
         return estimator_.estimate(noise, options_.model);
       });

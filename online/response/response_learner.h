@@ -1,9 +1,10 @@
 // Learns the response of a stream from its first frames. While these showed little of it (a covered lens, a
 // dark room, a white wall), it goes on: at once and then after pauses of half of the stream so far, 6 to 300
 // frames, a window of 6 frames in a row is added to what is known, and the fit is done again in the
-// background, on a thread of its own. The answer is taken 18 frames after the window began, however early the
-// thread is ready, so that results do not depend on the machine; and only where its uncertainty is at most
-// half of that in use, because the state must begin anew with it. Thread-bound.
+// background, on a thread of its own, or where the system refuses one when it is taken. The answer is taken
+// 18 frames after the window began, however early the thread is ready, so that results do not depend on the
+// machine; and only where its uncertainty is at most half of that in use, because the state must begin anew
+// with it. Thread-bound.
 #pragma once
 
 #include <future>

@@ -12,8 +12,10 @@
 
 #include "firmware_host/exit_code.h"
 #include "firmware_host/version.h"
+#include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/ran_here.h"
+#include "tests/support/refused_threads.h"
 
 #include <catch2/catch.hpp>
 
@@ -254,6 +256,14 @@ TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {
   const RanHere missing = ran_here({"info", "/no/such/recording.mkv"});
   CHECK(missing.exit_code == exit_code_of(ErrorCode::NotFound));
   CHECK_THAT(missing.err, Matches("hdrcam: [^\n]*/no/such/recording.mkv[^\n]*\\.\n"));
+}
+
+TEST_CASE("a thread that the system does not start is called so, and no bug of the program") {
+  const std::string output = sample::scratch_folder("program_threads") + "/x.csv";
+  const test::RefusedThreads refused;
+  const RanHere run = ran_here({"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", output});
+  CHECK(run.exit_code == exit_code_of(ErrorCode::Io));
+  CHECK_THAT(run.err, Contains("starts no further thread") && Contains("ulimit -u"));
 }
 
 TEST_CASE("the installed program behaves as the one in this process") {

@@ -1,7 +1,10 @@
 #include "online/response/response.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "capture/to_exposed_frame.h"
 #include "online/response/histogram_matches.h"
@@ -9,6 +12,7 @@
 #include "online/response/response_learner.h"
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/refused_threads.h"
 
 #include <catch2/catch.hpp>
 
@@ -307,4 +311,27 @@ TEST_CASE("a step of four stops over lamps and shadows is no scene cut") {
     });
   };
   CHECK(ResponseEstimator().add_pair(exposed_by(0.25f, 0), exposed_by(4, 2)));
+}
+
+TEST_CASE("where the system starts no thread, the response is learned as well without one") {
+  constexpr int kFirst = 6;
+  const test::MovingScene scene;
+  const auto frames = exposed(scene, 12);
+  const ExposedFrame wall = frame_of(1, [](int, int, int) { return 128.f; });
+  const auto answers = [&](bool refused) {
+    ResponseLearner learner({});
+    const std::vector<CompactFrame> first(kFirst, CompactFrame(wall, 8));
+    for (int i = 0; i < kFirst; ++i) learner.see_first(wall, i > 0 ? &first[0] : nullptr);
+    WorkerPool pool(1);
+    (void)learner.first(first, {}, pool);
+    std::optional<test::RefusedThreads> refusal;
+    if (refused) refusal.emplace();
+    std::vector<double> uncertainties;  // of each frame's answer; 0: none
+    for (std::size_t i = 0; i < 40; ++i)
+      uncertainties.push_back(learner.next(frames[i % frames.size()], {}) ? learner.uncertainty() : 0);
+    return uncertainties;
+  };
+  const std::vector<double> usual = answers(false);
+  CHECK(std::ranges::any_of(usual, [](double uncertainty) { return uncertainty > 0; }));
+  CHECK(answers(true) == usual);
 }
