@@ -78,6 +78,7 @@ class FootageFiles : public FootageReader {
     camera_.linear = file_->facts().linear;
     camera_.white_balance = file_->facts().white_balance;
     about_ = file_->facts().format;
+    TRY(check_model());
     return {};
   }
 
@@ -108,10 +109,21 @@ class FootageFiles : public FootageReader {
               path(), frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
               name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
               name(camera_.layout))};
-    return true;
+    return check_model();
   }
 
  private:
+  // One clip has one response. Always true where it is no error.
+  Result<bool> check_model() {
+    const std::string& model = file_->facts().model;
+    if (model.empty() || model == model_) return true;
+    if (model_.empty()) return model_ = model, first_of_model_ = path(), true;
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is of a {} and '{}' of a {}, whose responses differ; import the pictures "
+                             "of each camera by themselves",
+                             path(), model, first_of_model_, model_)};
+  }
+
   Result<bool> read(RawFrame& frame) {
     for (;;) {
       if (!file_) {
@@ -163,6 +175,7 @@ class FootageFiles : public FootageReader {
   const double stills_hz_;
   CameraFacts camera_;
   std::string about_;
+  std::string model_, first_of_model_;  // of the camera, and the file that stated it; "": none yet
   std::size_t next_file_ = 0;
   std::unique_ptr<PictureFile> file_;
   std::uint64_t frames_ = 0;

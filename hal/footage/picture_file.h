@@ -20,6 +20,7 @@ struct PictureFileFacts {
   std::string format;                              // "h264, yuv420p"
   double framerate_hz = 0;                         // 0 of a still
   bool timed = false;                              // it says when each frame is, not a rate alone
+  std::string model = {};                          // "Canon EOS R5", as EXIF states it; "": it does not
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

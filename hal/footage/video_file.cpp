@@ -82,6 +82,13 @@ std::string_view exif_text(const AVFrame& frame, const char* tag) {
   return entry != nullptr ? entry->value : "";
 }
 
+// Make and model of the camera, without the blanks that some put behind them; "": not stated.
+std::string exif_model(const AVFrame& frame) {
+  const auto trimmed = [](std::string_view text) { return text.substr(0, text.find_last_not_of(' ') + 1); };
+  const std::string_view make = trimmed(exif_text(frame, "Make")), model = trimmed(exif_text(frame, "Model"));
+  return make.empty() || model.empty() ? std::string(model) : fmt::format("{} {}", make, model);
+}
+
 // Exif 2.3, 4.6.5: PhotographicSensitivity has 16 bits, and its largest value stands for any beyond, which
 // one of three others states. FFmpeg has no names for them, newer ones do.
 std::optional<double> exif_iso(const AVFrame& frame) {
@@ -253,12 +260,13 @@ int VideoFile::missing_at_end() const {
   return static_cast<int>(std::clamp(missing_s * facts_.framerate_hz + kRounding, 0.0, kMost));
 }
 
-// From the first frame: how its codes become RGB.
+// From the first frame: how its codes become RGB, and of a still which camera took it.
 Result<void> VideoFile::begin_codes() {
   const auto begun = codes_.begin(*frame_, demuxer_->streams[track_]->codecpar->codec_id);
   if (!begun) return refused(begun.error().code, begun.error().message);
   facts_.format += fmt::format(", {}", codes_.format_name());
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
+  if (still_) facts_.model = exif_model(*frame_);
   return {};
 }
 

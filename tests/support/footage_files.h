@@ -95,14 +95,21 @@ struct Exif {
   std::uint32_t f_number_tenths = 28;
   // DateTimeOriginal and what goes with it; "": none.
   std::string date_time = {}, sub_second = {}, offset = {};
+  std::string model = {};            // of the camera; "": none
   std::uint32_t exposure_index = 0;  // the sensitivity beyond 16 bits; 0: not stated
 };
 
 // The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory.
 inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
-  constexpr std::uint32_t kFirst = 8, kSecond = 26;  // places of the two directories
-  TiffDirectory file, tags;
-  file.longs(tiff_tag::kExifDirectory, {kSecond});
+  constexpr std::uint32_t kFirst = 8;  // place of the first directory
+  const auto first = [&](std::uint32_t second) {
+    TiffDirectory file;
+    if (!exif.model.empty()) file.text(tiff_tag::kModel, exif.model);
+    file.longs(tiff_tag::kExifDirectory, {second});
+    return file.at(kFirst);
+  };
+  const auto second = static_cast<std::uint32_t>(kFirst + first(0).size());
+  TiffDirectory tags;
   tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
   tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
   tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
@@ -114,7 +121,7 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   text(tiff_tag::kOffsetTimeOriginal, exif.offset);
   text(tiff_tag::kSubSecTimeOriginal, exif.sub_second);
   std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, kFirst, 0, 0, 0};
-  for (const auto& directory : {file.at(kFirst), tags.at(kSecond)})
+  for (const auto& directory : {first(second), tags.at(second)})
     bytes.insert(bytes.end(), directory.begin(), directory.end());
   return bytes;
 }

@@ -242,6 +242,25 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
   CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
+TEST_CASE("stills of two models of cameras are no clip, and both are named") {
+  const std::string folder = sample::scratch_folder("footage_models");
+  const std::vector<std::string> models{"", "EOS R5 ", "EOS R5", "X-T4"};
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    files.push_back(fmt::format("{}/{}.jpg", folder, i));
+    test::Exif exif;
+    exif.model = models[i];
+    test::write_jpeg(files.back(), patches(static_cast<int>(i)), exif);
+  }
+  const Read mixed = read(files);
+  REQUIRE(mixed.error);
+  CHECK(mixed.error->code == ErrorCode::Invalid);
+  CHECK(mixed.frames.size() == 3);
+  CHECK_THAT(mixed.error->message, Contains("3.jpg' is of a X-T4") && Contains("1.jpg' of a EOS R5,"));
+  files.pop_back();
+  CHECK_FALSE(read(files).error);
+}
+
 TEST_CASE("a sensitivity beyond 65535 is the one that EXIF states beside it") {
   const std::string folder = sample::scratch_folder("footage_iso");
   test::Exif exif{1, 1000, 65535, 28};
