@@ -12,6 +12,7 @@
 #include "capture/exposure_schedule.h"
 #include "firmware_host/signed_text.h"
 #include "hal/core/counted.h"
+#include "hal/core/median.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/image_sequence.h"
@@ -36,8 +37,10 @@ struct Scan {
   std::string about;
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;
-  bool stills = false;  // at least one
-  std::string timed;    // the first video that says when its frames are; "": none
+  bool stills = false;              // at least one
+  std::vector<std::string> paths;   // of the files with frames
+  std::vector<std::size_t> begins;  // the first frame of each
+  std::string timed;                // the first video that says when its frames are; "": none
   StepsByLag steps;
   Statement iso, f_number;
   std::string silent;  // the first file with a frame whose exposure it does not state; "": none
@@ -62,6 +65,8 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
     photometer.observe(frame.codes, seen.camera.layout, seen.camera.bits, here);
     for (std::size_t lag = 1; lag <= std::min(kLags, i); ++lag)
       seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));
+    if (seen.paths.empty() || seen.paths.back() != footage.path())
+      seen.paths.push_back(footage.path()), seen.begins.push_back(i);
     seen.facts.push_back(frame.facts);
     seen.taken.push_back(footage.taken());
     seen.stills |= footage.still();
@@ -122,6 +127,36 @@ double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times, doubl
   const double sum_s = std::accumulate(begin, end, 0.0),
                stated_s = static_cast<double>(end - begin) / stated_hz;
   return (std::abs(sum_s - stated_s) < kRounding_s ? stated_s : sum_s) / static_cast<double>(end - begin);
+}
+
+// The usual time between the frames of a file; 0 where they are too few to tell.
+double usual_interval_s(const Scan& seen, std::size_t file) {
+  constexpr std::size_t kFewest = 4;  // intervals
+  const std::size_t begin = seen.begins[file];
+  const std::size_t end = file + 1 < seen.begins.size() ? seen.begins[file + 1] : seen.facts.size();
+  if (end - begin <= kFewest) return 0;
+  std::vector<double> intervals_s;
+  for (std::size_t i = begin + 1; i < end; ++i)
+    intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
+  return median(intervals_s);
+}
+
+// Between files of different rates nobody can tell a longer interval from a lost frame.
+Result<void> check_one_rate(const Scan& seen) {
+  constexpr double kMost = 1.5;  // from which an interval counts as two
+  std::size_t first = 0;
+  double first_s = 0;
+  for (std::size_t file = 0; file < seen.begins.size(); ++file) {
+    const double usual_s = usual_interval_s(seen, file);
+    if (!(usual_s > 0)) continue;
+    if (!(first_s > 0)) first = file, first_s = usual_s;
+    if (usual_s < kMost * first_s && first_s < kMost * usual_s) continue;
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' has {:.4g} frames per second and '{}' {:.4g}, which do not make one clip; "
+                             "import them one by one",
+                             seen.paths[file], 1 / usual_s, seen.paths[first], 1 / first_s)};
+  }
+  return {};
 }
 
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
@@ -292,6 +327,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
   if (plan.times == TimeOrigin::Files) TRY(take_regular_times(seen, request.framerate_hz, plan.time_trouble));
+  if (plan.times == TimeOrigin::Files) TRY(check_one_rate(seen));
   read_times(seen, plan.times);
   plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))

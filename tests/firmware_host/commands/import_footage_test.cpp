@@ -254,6 +254,17 @@ TEST_CASE("times in whole milliseconds give the video's frame rate, and no frame
   }
 }
 
+TEST_CASE("videos of different frame rates do not make one clip, and both are named with their rates") {
+  const std::string folder = sample::scratch_folder("import_rates");
+  const std::string a = folder + "/a.mp4", b = folder + "/b.mp4";
+  REQUIRE(test::write_video(a, VideoCodec::H264, pictures(filmed(0, 12, {})), {}, 30).ok());
+  REQUIRE(test::write_video(b, VideoCodec::H264, pictures(filmed(12, 12, {})), {}, 15).ok());
+  const auto imported = import_verb(a + " " + b + " -o " + folder + "/x.mkv --shutter 1ms,4ms,16ms");
+  REQUIRE_FALSE(imported.ok());
+  CHECK(imported.error().code == ErrorCode::Invalid);
+  CHECK_THAT(imported.error().message, Contains("b.mp4' has 15 frames") && Contains("a.mp4' 30,"));
+}
+
 TEST_CASE("a pause of years is a loss of very many frames") {
   std::vector<double> times_s;
   for (int i = 0; i < 12; ++i) times_s.push_back(i / 30. + (i < 6 ? 0 : 143165576));
