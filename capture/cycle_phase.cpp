@@ -16,6 +16,7 @@ namespace hdrcam {
 namespace {
 
 constexpr double kLoss = 8;              // what an unannounced loss costs, squared deviations
+constexpr double kSure = 4;              // by how much another phase must cost more, squared deviations
 constexpr double kWorst = 16;            // what one step can cost at most: a cut, a lamp switched on
 constexpr double kAcceptedResidual = 5;  // mean, of a walk that the pictures support
 constexpr double kReference_s = 0.01;    // of an estimated cycle
@@ -46,6 +47,7 @@ double brightness_of(const PhotometricSignature& picture) {
 struct Path {
   double cost = std::numeric_limits<double>::infinity();
   CycleWalk walk;
+  std::vector<double> by_first_slot;  // what the walks from each slot cost at least
 };
 
 // The cheapest walk under one stretch.
@@ -71,6 +73,12 @@ Path cheapest(std::span<const CycleStep> steps, std::span<const double> log_expo
   Path path;
   const auto last = std::ranges::min_element(cost);
   path.cost = *last;
+  path.by_first_slot.assign(log_exposures.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t to = 0; to < cost.size(); ++to) {
+    std::size_t first = to;
+    for (std::size_t i = steps.size(); i-- > 0;) first = static_cast<std::size_t>(from[i][first]);
+    path.by_first_slot[first] = std::min(path.by_first_slot[first], cost[to]);
+  }
   path.walk.stretch = stretch;
   path.walk.slots.resize(steps.size() + 1);
   path.walk.slots.back() = static_cast<int>(last - cost.begin());
@@ -95,11 +103,18 @@ void count(std::span<const CycleStep> steps, int slots, CycleWalk& walk) {
 Path best_path(std::span<const CycleStep> steps, std::span<const double> log_exposures) {
   constexpr double kLeast = 0.25, kMost = 2.5, kStep = 1.07;  // of the stretch: real cameras lie within
   Path best;
+  std::vector<double> by_first_slot(log_exposures.size(), std::numeric_limits<double>::infinity());
   double stretch = kLeast;
   while (stretch <= kMost) {
-    if (Path path = cheapest(steps, log_exposures, stretch); path.cost < best.cost) best = std::move(path);
+    Path path = cheapest(steps, log_exposures, stretch);
+    std::ranges::transform(by_first_slot, path.by_first_slot, by_first_slot.begin(),
+                           [](double a, double b) { return std::min(a, b); });
+    if (path.cost < best.cost) best = std::move(path);
     stretch *= kStep;
   }
+  best.by_first_slot = std::move(by_first_slot);
+  best.walk.ambiguous =
+      std::ranges::count_if(best.by_first_slot, [&](double cost) { return cost < best.cost + kSure; }) > 1;
   return best;
 }
 

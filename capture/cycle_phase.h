@@ -35,7 +35,9 @@ CycleStep rough_step(const PhotometricSignature& earlier, const PhotometricSigna
 struct CycleWalk {
   std::vector<int> slots;        // of each frame
   std::vector<int> lost_before;  // frames missing before each, 0.. slots-1 and those that times tell
-  double stretch = 1;            // of the pictures' ratios against the true ones
+  // Whether another phase explains the pictures about as well, as of two frames of a cycle in even steps.
+  bool ambiguous = false;
+  double stretch = 1;        // of the pictures' ratios against the true ones
   double mean_residual = 0;  // mean cost of a step, squared deviations in expected errors; below 1 is usual
   int measured = 0;          // steps of that kind
 };

@@ -200,6 +200,14 @@ Result<std::vector<std::string>> footage_files(Storage& storage, const std::vect
   return named;
 }
 
+void warn_of_phase(const FootagePlan& plan) {
+  if (plan.walk.ambiguous)
+    remark(
+        "warning: the pictures show as well that the cycle begins with another exposure; all exposures may "
+        "be "
+        "wrong by one factor, so import more frames\n");
+}
+
 // Cut footage is an error after all that is there was imported, as a cut recording is.
 Result<void> tell_losses(const FootagePlan& plan) {
   std::optional<std::string> cut;
@@ -222,6 +230,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));
     TRY(judged_facts(around, options, std::move(reader)));
+    warn_of_phase(plan);
     return tell_losses(plan);
   }
   if (!plan.time_trouble.empty())
@@ -232,6 +241,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
   if (const std::string missing = describe_missing(plan); !missing.empty()) remark("note: {}\n", missing);
   auto reader = TRY(open_planned(around.storage, footage, plan));
   TRY(write_recording(around, options, settings, std::move(reader)));
+  warn_of_phase(plan);
   return tell_losses(plan);
 }
 

@@ -300,7 +300,10 @@ std::string described_exposures(const FootagePlan& plan) {
                          : fmt::format(" ({} of {} steps measured)", walk.measured, plan.facts.size() - 1);
   const int slot = plan.facts.front().slot;
   const std::string phase =
-      slot >= 0 ? fmt::format("; the first frame is number {} of the cycle", slot + 1) : "";
+      walk.ambiguous
+          ? fmt::format("; the first frame is perhaps number {} of the cycle, perhaps another", slot + 1)
+      : slot >= 0 ? fmt::format("; the first frame is number {} of the cycle", slot + 1)
+                  : "";
   std::string stops;
   switch (plan.origin) {
     case ExposureOrigin::Cycle:

@@ -65,6 +65,16 @@ TEST_CASE("the phase of a cycle is found whatever frame the footage begins with,
       }
 }
 
+TEST_CASE("two frames of a cycle in even steps do not tell its phase; those over its largest step do") {
+  const auto& cycle = kCycles[1];
+  const Footage longer = footage(cycle, 12, 0, {}, 1, 7);
+  CHECK_FALSE(find_walk(longer.steps, cycle).value().ambiguous);
+  const std::vector<CycleStep> even{{StepKind::Measured, std::log(4.), 0}};
+  CHECK(find_walk(even, cycle).value().ambiguous);
+  const std::vector<CycleStep> down{{StepKind::Measured, -std::log(16.), 0}};
+  CHECK_FALSE(find_walk(down, cycle).value().ambiguous);
+}
+
 TEST_CASE("frames that are missing inside are found where they are missing") {
   const auto& cycle = kCycles[1];
   const Footage made = footage(cycle, 60, 1, {{13, 1}, {30, 2}, {41, 1}}, 0.7, 11);

@@ -259,7 +259,7 @@ TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {
 }
 
 TEST_CASE("a thread that the system does not start is called so, and no bug of the program") {
-  const std::string output = sample::scratch_folder("program_threads") + "/x.csv";
+  const std::string output = sample::scratch_folder("program_threads") + "/%06d.exr";
   const test::RefusedThreads refused;
   const RanHere run = ran_here({"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", output});
   CHECK(run.exit_code == exit_code_of(ErrorCode::Io));

@@ -320,8 +320,11 @@ TEST_CASE("where the system starts no thread, the response is learned as well wi
   const ExposedFrame wall = frame_of(1, [](int, int, int) { return 128.f; });
   const auto answers = [&](bool refused) {
     ResponseLearner learner({});
-    const std::vector<CompactFrame> first(kFirst, CompactFrame(wall, 8));
-    for (int i = 0; i < kFirst; ++i) learner.see_first(wall, i > 0 ? &first[0] : nullptr);
+    std::vector<CompactFrame> first;
+    for (int i = 0; i < kFirst; ++i) {
+      learner.see_first(wall, i > 0 ? &first.back() : nullptr);
+      first.emplace_back(wall, 8);
+    }
     WorkerPool pool(1);
     (void)learner.first(first, {}, pool);
     std::optional<test::RefusedThreads> refusal;
