@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "online/priors/motion/clipped_motion_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
@@ -134,6 +135,24 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
                                               .u = room->flow.row(0, y),
                                               .v = room->flow.row(1, y),
                                               .measured = room->weight.row(0, y)});
+           });
+  // two rounds as above; then a difference 5, a place 10, a share 8, bounds 4, and seven sums of it
+  const auto cells =
+      std::make_shared<std::vector<CheckedPathCell>>(static_cast<std::size_t>(cols / kLandingCell + 1));
+  add_rows(tasks, "motion over a clipped frame: check", rows, cols, 2 * (18 + 6 + 25) + 34, 9,
+           [room, clipped, cells, rows, cols](int y) {
+             clipped_motion_kernels().compare({.at = {rows, cols, y},
+                                               .clipped = clipped->row(0, y),
+                                               .clipped_after = clipped->plane(1),
+                                               .path = {.after_to_state = room->vectors.plane(0),
+                                                        .state_to_after = room->vectors.plane(2),
+                                                        .last = room->vectors.plane(0),
+                                                        .measured = clipped->plane(0),
+                                                        .share = 0.5f,
+                                                        .before = 0.5f},
+                                               .u = room->flow.row(0, y),
+                                               .v = room->flow.row(1, y),
+                                               .cells = cells->data()});
            });
   // a place 8, a change 4 and its length 3, two shares 16 and what they make of it 9
   add_rows(tasks, "motion of the next step", rows, cols, 40, 8, [room, clipped, rows, cols](int y) {

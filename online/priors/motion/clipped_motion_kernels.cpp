@@ -95,17 +95,16 @@ struct Crossing {
 };
 
 // The crossing that the flows tell where this one leads.
-inline Crossing step(const BridgedRow& r, int x, const Crossing& from) {
-  const PathAhead& path = r.path;
-  const Nearest there = place_of(r.at, x, from.back);
+inline Crossing step(const RowOfPictures& at, const PathAhead& path, int x, const Crossing& from) {
+  const Nearest there = place_of(at, x, from.back);
   Crossing to;
-  to.after = vectors_at(path.after_to_state, r.at,
-                        place_of(r.at, x, {from.back.x + from.whole.x, from.back.y + from.whole.y}));
-  to.before = vectors_at(path.state_to_after, r.at, there);
+  to.after = vectors_at(path.after_to_state, at,
+                        place_of(at, x, {from.back.x + from.whole.x, from.back.y + from.whole.y}));
+  to.before = vectors_at(path.state_to_after, at, there);
   to.whole = {0.5f * (to.before.x - to.after.x), 0.5f * (to.before.y - to.after.y)};
   to.back = {-path.share * to.whole.x, -path.share * to.whole.y};
   if (path.last != nullptr) {
-    const Vectors last = vectors_at(path.last, r.at, there);
+    const Vectors last = vectors_at(path.last, at, there);
     const Vectors bend = bend_of(path, to.whole, last, read(path.measured, there));
     to.back = {to.back.x + bend.x, to.back.y + bend.y};
   }
@@ -113,11 +112,45 @@ inline Crossing step(const BridgedRow& r, int x, const Crossing& from) {
 }
 
 // A fixed point: where the flows are read is told by what is read.
-inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
+inline Crossing settle(const RowOfPictures& at, const PathAhead& path, int x, Vectors back, Vectors whole) {
   constexpr int kRounds = 2;
-  Crossing at{back, whole, {}, {}};
-  for (int round = 0; round < kRounds; ++round) at = step(r, x, at);
-  return at;
+  Crossing crossing{back, whole, {}, {}};
+  for (int round = 0; round < kRounds; ++round) crossing = step(at, path, x, crossing);
+  return crossing;
+}
+
+inline float sum(Lanes v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+
+void compare(const CheckedPathRow& r) {
+  constexpr float kClipped = 0.05f, kSeen = 0.95f;
+  constexpr float kFar2 = 4;  // pixels^2: what differs by more is lost, or something else
+  static_assert(kLandingCell == kLanes);
+  in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
+    constexpr Vectors kStill{};
+    const Crossing crossing = settle(r.at, r.path, x, kStill, kStill);
+    const Vectors off{load_some(r.u + x, count) - crossing.back.x,
+                      load_some(r.v + x, count) - crossing.back.y};
+    const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
+    const Whole within = kEachLane < count;
+    const Whole told = within & (around <= kClipped) &
+                       (seen(read(r.clipped_after, place_of(r.at, x, ahead))) >= kSeen) &
+                       (squared(off) < kFar2);
+    CheckedPathCell& cell = r.cells[x / kLandingCell];
+    const auto sum_of = [](Whole which, Lanes v) { return sum(which ? v : Lanes{}); };
+    cell.pixels += static_cast<float>(count);
+    cell.path_u += sum_of(within, crossing.back.x), cell.path_v += sum_of(within, crossing.back.y);
+    cell.told += sum_of(told, all<Lanes>(1));
+    cell.off_u += sum_of(told, off.x), cell.off_v += sum_of(told, off.y);
+    cell.off2 += sum_of(told, squared(off));
+  });
+}
+
+// Between the middles of a row's cells, at eight pixels of one of them.
+inline Lanes between_cells(const float* cells, int cell, int count_of_cells) {
+  const float here = cells[cell], left = cells[cell > 0 ? cell - 1 : 0],
+              right = cells[cell + 1 < count_of_cells ? cell + 1 : cell];
+  const Lanes apart = (lanes(kEachLane) + 0.5f) * (1.f / kLandingCell) - 0.5f;
+  return here + (apart < 0 ? apart * (here - left) : apart * (right - here));
 }
 
 // Takes over what lands at eight pixels, where it is there; `unseen` becomes 1 where the frame's own motion,
@@ -132,7 +165,7 @@ inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Cr
   const Vectors known{own.x + unseen * (crossing.back.x - own.x), own.y + unseen * (crossing.back.y - own.y)};
   const Whole differs = squared({known.x - back.x, known.y - back.y}) > kKnown2;
   if (!any_negative(differs & (kEachLane < count))) return;
-  const Crossing fast = settle(r, x, back, start);
+  const Crossing fast = settle(r.at, r.path, x, back, start);
   const Whole there =
       ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);
   if (!any_negative(there)) return;
@@ -151,15 +184,31 @@ void bridge(const BridgedRow& r) {
     if (!lands && !hides) return;
     constexpr Vectors kStill{};
     Crossing crossing{};
-    if (hides) crossing = settle(r, x, kStill, kStill);
+    if (hides) crossing = settle(r.at, r.path, x, kStill, kStill);
     if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
     if (!any_negative(unseen > 0)) return;
+    if (r.off_u != nullptr) {
+      const int cell = x / kLandingCell, cells = (r.at.cols + kLandingCell - 1) / kLandingCell;
+      crossing.back = {crossing.back.x + between_cells(r.off_u, cell, cells),
+                       crossing.back.y + between_cells(r.off_v, cell, cells)};
+    }
     const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
     const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, ahead)));
     take_over(r.u + x, r.v + x, count, share, crossing.back);
     const Lanes measured = load_some(r.measured + x, count);
     store_some(r.measured + x, measured + share * (1 - measured), count);
   });
+}
+
+// Read in the cell that it leads to.
+inline Vectors less_what_is_off(const BridgedAheadRow& r, int x, Vectors ahead) {
+  const int down = (r.at.rows + kLandingCell - 1) / kLandingCell,
+            across = (r.at.cols + kLandingCell - 1) / kLandingCell;
+  constexpr float kCells = 1.f / kLandingCell;
+  const Nearest there = nearest((lanes(x + kEachLane) + ahead.x + 0.5f) * kCells - 0.5f,
+                                (static_cast<float>(r.at.y) + ahead.y + 0.5f) * kCells - 0.5f, down, across);
+  return {ahead.x - lanes_at(r.off, there.place),
+          ahead.y - lanes_at(r.off + static_cast<std::ptrdiff_t>(down) * across, there.place)};
 }
 
 void bridge_ahead(const BridgedAheadRow& r) {
@@ -183,6 +232,7 @@ void bridge_ahead(const BridgedAheadRow& r) {
       const Vectors bend = bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
       ahead = {ahead.x - bend.x, ahead.y - bend.y};
     }
+    if (r.off != nullptr) ahead = less_what_is_off(r, x, ahead);
     const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, whole)));
     take_over(r.u + x, r.v + x, count, share, ahead);
   }
@@ -208,6 +258,6 @@ void predict(const PredictedRow& r) {
 }  // namespace
 
 extern const ClippedMotionKernels kClippedMotionKernels;
-const ClippedMotionKernels kClippedMotionKernels{&go_on, &bridge, &bridge_ahead, &predict};
+const ClippedMotionKernels kClippedMotionKernels{&go_on, &compare, &bridge, &bridge_ahead, &predict};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -38,6 +38,23 @@ struct PathAhead {
   float before;           // B
 };
 
+// Sums over the pixels of a cell (landing.h) that are compared.
+struct CheckedPathCell {
+  float pixels = 0, path_u = 0, path_v = 0;  // all of them, and the path's motion to the state
+  float told = 0;                            // those where the frame shows the motion and the path is known
+  float off_u = 0, off_v = 0, off2 = 0;      // of these, by how much what it shows differs from the path
+};
+
+// Where a frame is not clipped, it shows its motion, and the path of BridgedRow tells it, too.
+struct CheckedPathRow {
+  RowOfPictures at;
+  const float* clipped;        // [cols] share of the pixels around each, in the frame
+  const float* clipped_after;  // [rows, cols] the same in the frame after
+  PathAhead path;
+  const float *u, *v;      // [cols] motion to the state, as the frame shows it
+  CheckedPathCell* cells;  // [cells of the row] added to
+};
+
 // Pixels from the state to the frame after a clipped one: what moves farther has left the pixels at which its
 // flows are read first, and is blurred beyond recognition in a long exposure.
 constexpr float kFastOverClipped = 12;
@@ -57,6 +74,7 @@ struct BridgedRow {
   const float* from;  // [2, rows, cols] motion from the state to the frame, as the frame shows it
   float *u, *v;       // [cols] motion to the state
   float* measured;    // [cols] 0..1: becomes 1 where the motion is taken from here
+  const float *off_u = nullptr, *off_v = nullptr;  // [cells of the row] added to the path's motion, or null
 };
 
 // The same from the state, at its own pixels, whose flow after_to_state confirms where it is fast.
@@ -66,8 +84,9 @@ struct BridgedAheadRow {
   // takes the state's pixels
   const float *clipped, *clipped_after;
   PathAhead path;
-  const float* to;  // [2, rows, cols] motion to the state
-  float *u, *v;     // [cols] motion from the state to the frame in between
+  const float* to;             // [2, rows, cols] motion to the state
+  float *u, *v;                // [cols] motion from the state to the frame in between
+  const float* off = nullptr;  // [2, cells down, cells across] as added to the motion to the state, or null
 };
 
 // The motion of the next step, if that takes as long as this one: the change from the last motion to this one
@@ -84,6 +103,7 @@ struct PredictedRow {
 
 struct ClippedMotionKernels {
   void (*go_on)(const ContinuedRow&);
+  void (*compare)(const CheckedPathRow&);
   void (*bridge)(const BridgedRow&);
   void (*bridge_ahead)(const BridgedAheadRow&);
   void (*predict)(const PredictedRow&);

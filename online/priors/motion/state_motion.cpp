@@ -96,6 +96,7 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice
       cols_(cols),
       pool_(pool),
       flow_(make_dense_flow(rows, cols, pool, gpu)),
+      bridge_error_(rows, cols),
       landing_(rows, cols) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
@@ -204,6 +205,8 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                        .measured = changes ? measured_before_.plane(0) : nullptr,
                        .share = r,
                        .before = r / context.before_ratio};
+  bridge_error_.compare(path, clipped_, clipped_after_, to, pool_);
+  const Image<float>& off = bridge_error_.cells();
   landing_.throw_ahead(state_to_after_, after_to_state_, kFastOverClipped, r);
   const Image<float>& landed = landing_.cells();
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -217,7 +220,9 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                                        .from = from.plane(0),
                                        .u = to.row(0, y),
                                        .v = to.row(1, y),
-                                       .measured = measured_.row(0, y)});
+                                       .measured = measured_.row(0, y),
+                                       .off_u = off.row(0, y / kLandingCell),
+                                       .off_v = off.row(1, y / kLandingCell)});
   });
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
@@ -227,7 +232,8 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                                              .path = path,
                                              .to = to.plane(0),
                                              .u = from.row(0, y),
-                                             .v = from.row(1, y)});
+                                             .v = from.row(1, y),
+                                             .off = off.plane(0)});
   });
 }
 

@@ -4,6 +4,7 @@
 // that one is not clipped too. Both follow a motion that changes. Thread-bound.
 #pragma once
 
+#include "online/priors/motion/bridge_error.h"
 #include "online/priors/motion/dense_flow.h"
 #include "online/priors/motion/landing.h"
 #include "online/priors/motion/motion_prior.h"
@@ -40,6 +41,7 @@ class MotionEstimator final : public MotionPrior {
   Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
   Image<float> measured_before_;  // the same of the step before it
   Image<float> predicted_;        // the motion of the next step, if it takes as long as the last one
+  BridgeError bridge_error_;
   Landing landing_;  // what is fast from the state to the frame after a clipped one, in the clipped one
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds

@@ -92,6 +92,27 @@ class NearestPixel {
   int x_, y_;
 };
 
+// Where a pixel of the clipped frame comes from and goes to, in two rounds from rest.
+struct Crossing {
+  const Pictures& pictures;
+  int x, y;
+  Offset back, whole;
+
+  Crossing(const Pictures& given, int x_, int y_, bool changes) : pictures(given), x(x_), y(y_) {
+    for (int round = 0; round < 2; ++round) {
+      const NearestPixel there(pictures.clipped.cols(), x, y, back);
+      const Offset after = in_after().vector_of(pictures.after_to_state),
+                   before = there.vector_of(pictures.state_to_after);
+      whole = 0.5f * Offset{before.x - after.x, before.y - after.y};
+      back = -kShare * whole;
+      if (changes)
+        back = back + bend_of(whole, there.vector_of(pictures.last), there.of(pictures.measured_before, 0));
+    }
+  }
+  NearestPixel in_after() const { return {pictures.clipped.cols(), x, y, back + whole}; }
+  float seen_after() const { return 1 - smooth_step(0.1f, 0.6f, in_after().of(pictures.clipped_after, 0)); }
+};
+
 // A motion as it is and as it should be: at every pixel, and as it was where the frame clips nothing.
 void check(const Image<float>& is, const Image<float>& should_be) {
   for (int c = 0; c < is.channels(); ++c)
@@ -164,25 +185,101 @@ TEST_CASE("what a frame clips moves as the frames around it say, at their places
                                          measured.row(0, y)});
       Image<float> expected = pictures.motion.clone(), expected_measured = pictures.measured.clone();
       at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
-        Offset back, whole;
-        const auto in_after = [&] { return NearestPixel(cols, x, y, back + whole); };
-        for (int round = 0; round < 2; ++round) {
-          const NearestPixel there(cols, x, y, back);
-          const Offset after = in_after().vector_of(pictures.after_to_state),
-                       before = there.vector_of(pictures.state_to_after);
-          whole = 0.5f * Offset{before.x - after.x, before.y - after.y};
-          back = -kShare * whole;
-          if (changes)
-            back =
-                back + bend_of(whole, there.vector_of(pictures.last), there.of(pictures.measured_before, 0));
-        }
-        const float share = clipped * (1 - smooth_step(0.1f, 0.6f, in_after().of(pictures.clipped_after, 0)));
-        take_over(expected, x, y, share, back);
+        const Crossing path(pictures, x, y, changes);
+        const float share = clipped * path.seen_after();
+        take_over(expected, x, y, share, path.back);
         expected_measured.at(0, y, x) += share * (1 - pictures.measured.at(0, y, x));
       });
       check(motion, expected);
       check(measured, expected_measured);
     }
+}
+
+TEST_CASE("what a frame shows of its motion is compared with the path, cell by cell", "[isa]") {
+  for (const int cols : {3, 8, 64, 83})
+    for (const bool changes : {false, true}) {
+      Pictures pictures(cols);
+      for (float& share : pictures.clipped.samples()) share = share < 0.3f ? 0 : share;
+      for (float& share : pictures.clipped_after.samples()) share = share < 0.4f ? 0 : share;
+      for (int y = 0; y < kRows; ++y) {  // half of what the frame shows is near the path
+        for (int x = 0; x < cols; x += 2) {
+          const Offset back = Crossing(pictures, x, y, changes).back;
+          pictures.motion.at(0, y, x) = back.x + 0.7f, pictures.motion.at(1, y, x) = back.y - 0.4f;
+        }
+      }
+      for (const int y : {0, 4, 10}) {
+        const int cells = (cols + kLandingCell - 1) / kLandingCell;
+        std::vector<CheckedPathCell> is(static_cast<std::size_t>(cells)), should_be(is.size());
+        clipped_motion_kernels().compare({{kRows, cols, y},
+                                          pictures.clipped.row(0, y),
+                                          pictures.clipped_after.plane(0),
+                                          pictures.path(changes),
+                                          pictures.motion.row(0, y),
+                                          pictures.motion.row(1, y),
+                                          is.data()});
+        float told = 0;
+        for (int x = 0; x < cols; ++x) {
+          CheckedPathCell& cell = should_be[static_cast<std::size_t>(x / kLandingCell)];
+          const Crossing path(pictures, x, y, changes);
+          const Offset off = offset_at(pictures.motion, x, y) + -1 * path.back;
+          const float off2 = off.x * off.x + off.y * off.y;
+          ++cell.pixels, cell.path_u += path.back.x, cell.path_v += path.back.y;
+          if (pictures.clipped.at(0, y, x) > 0.05f || path.seen_after() < 0.95f || off2 >= 4) continue;
+          ++cell.told, cell.off_u += off.x, cell.off_v += off.y, cell.off2 += off2, ++told;
+        }
+        if (cols > 8) CHECK(told > 4);
+        for (std::size_t i = 0; i < is.size(); ++i) {
+          INFO(cols << " columns, row " << y << ", cell " << i);
+          CHECK(is[i].pixels == should_be[i].pixels);
+          CHECK(is[i].path_u == Approx(should_be[i].path_u).margin(1e-2));
+          CHECK(is[i].path_v == Approx(should_be[i].path_v).margin(1e-2));
+          CHECK(is[i].told == should_be[i].told);
+          CHECK(is[i].off_u == Approx(should_be[i].off_u).margin(1e-2));
+          CHECK(is[i].off_v == Approx(should_be[i].off_v).margin(1e-2));
+          CHECK(is[i].off2 == Approx(should_be[i].off2).margin(1e-2));
+        }
+      }
+    }
+}
+
+TEST_CASE("what the path is off by is added to it, between the middles of cells", "[isa]") {
+  constexpr int kCols = 24, kY = 4;
+  const Image<float> still(2, kRows, kCols), none(1, kRows, kCols);
+  const PathAhead path{still.plane(0), still.plane(0), nullptr, nullptr, 0.5f, 1};
+  Image<float> clipped(1, kRows, kCols), nowhere(1, 1, 3), off(2, 2, 3), to(2, kRows, kCols),
+      from(2, kRows, kCols);
+  clipped.fill(1), nowhere.fill(kNowhere);
+  for (int cell = 0; cell < 3; ++cell)
+    off.at(0, 0, cell) = static_cast<float>(cell), off.at(1, 0, cell) = -2 * static_cast<float>(cell);
+  std::vector<float> measured(kCols);
+  clipped_motion_kernels().bridge({{kRows, kCols, kY},
+                                   clipped.row(0, kY),
+                                   none.plane(0),
+                                   path,
+                                   nowhere.row(0, 0),
+                                   nowhere.row(0, 0),
+                                   still.plane(0),
+                                   to.row(0, kY),
+                                   to.row(1, kY),
+                                   measured.data(),
+                                   off.row(0, 0),
+                                   off.row(1, 0)});
+  clipped_motion_kernels().bridge_ahead({{kRows, kCols, kY},
+                                         clipped.plane(0),
+                                         none.plane(0),
+                                         path,
+                                         still.plane(0),
+                                         from.row(0, kY),
+                                         from.row(1, kY),
+                                         off.plane(0)});
+  for (int x = 0; x < kCols; ++x) {
+    const float between = std::clamp((static_cast<float>(x) + 0.5f) / 8 - 0.5f, 0.f, 2.f);
+    CAPTURE(x);
+    CHECK(to.at(0, kY, x) == Approx(between).margin(kRounding));
+    CHECK(to.at(1, kY, x) == Approx(-2 * between).margin(kRounding));
+    CHECK(from.at(0, kY, x) == -static_cast<float>(x / 8));
+    CHECK(from.at(1, kY, x) == 2 * static_cast<float>(x / 8));
+  }
 }
 
 TEST_CASE("the state's pixels move over a frame that clips them as they do to the frame after it", "[isa]") {

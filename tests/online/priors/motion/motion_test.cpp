@@ -205,6 +205,30 @@ TEST_CASE("what gains speed is followed over a frame that clips it to where it i
   CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(4.4).margin(0.15));
 }
 
+TEST_CASE("what a frame clips moves as what it does not clip shows, though that is off the path") {
+  // a hand shakes: half way in time the frame in between is at 3 px, and constant acceleration says 4.4
+  constexpr float kAt[] = {0, 2, 5, 12};
+  WorkerPool pool(1);
+  const Response response = Response::linear();
+  const ExposureTables usual(response, {}, 1);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const ExposedFrame second = leaves(1, kAt[1]), after = leaves(3, kAt[3]);
+  ExposedFrame clipped = leaves(2, kAt[2]);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 20; y < 44; ++y) std::fill_n(clipped.codes.row(c, y) + 36, 24, kMaxCode);
+  const RadianceState at_first = state_of(leaves(0, kAt[0]), usual, pool);
+  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
+  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
+  const RadianceState at_second = state_of(second, usual, pool);
+  estimator.match(at_second, clipped, usual, {FlowQuality::Fine}, {}, motion);
+  estimator.complete(at_second, clipped,
+                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
+                     FlowQuality::Fine, {}, motion);
+  CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(-3).margin(0.3));
+  CHECK(motion.from_previous.vectors.at(0, 32, 45) == Approx(3).margin(0.3));
+}
+
 TEST_CASE("a motion that changed from step to step goes on changing where a frame clips it") {
   // frames at 0, 1, 3 and 7 intervals; the second step is twice as long as the first and a pixel more than
   // that
