@@ -123,7 +123,7 @@ inline float sum(Lanes v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[
 
 void compare(const CheckedPathRow& r) {
   constexpr float kClipped = 0.05f, kSeen = 0.95f;
-  constexpr float kFar2 = 4;  // pixels^2: what differs by more is lost, or something else
+  constexpr float kFar2 = 1;  // pixels^2: what differs by more is lost, or something else
   static_assert(kLandingCell == kLanes);
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     constexpr Vectors kStill{};

@@ -224,7 +224,7 @@ TEST_CASE("what a frame shows of its motion is compared with the path, cell by c
           const Offset off = offset_at(pictures.motion, x, y) + -1 * path.back;
           const float off2 = off.x * off.x + off.y * off.y;
           ++cell.pixels, cell.path_u += path.back.x, cell.path_v += path.back.y;
-          if (pictures.clipped.at(0, y, x) > 0.05f || path.seen_after() < 0.95f || off2 >= 4) continue;
+          if (pictures.clipped.at(0, y, x) > 0.05f || path.seen_after() < 0.95f || off2 >= 1) continue;
           ++cell.told, cell.off_u += off.x, cell.off_v += off.y, cell.off2 += off2, ++told;
         }
         if (cols > 8) CHECK(told > 4);
