@@ -232,8 +232,11 @@ TEST_CASE("a job of an array that fails is in the table beside the others") {
 
 TEST_CASE("a fleet on a cluster that is interrupted cancels its array") {
   const Fleet fleet("fleet_interrupted");
-  // ^C goes to all programs of a terminal; the jobs of a cluster hear nothing of it.
-  fleet.program("sbatch", "trap 'exit 130' INT; echo 'Submitted batch job 7'; kill -INT 0; exit 130");
+  // ^C goes to all programs of a terminal; the jobs of a cluster hear nothing of it. It comes once the number
+  // of the array is in the log, which is in the folder of --output.
+  fleet.program("sbatch",
+                "trap 'exit 130' INT; echo 'Submitted batch job 7'; log=$(dirname \"${5#--output=}\"); "
+                "until grep -q 7 \"$log/slurm-array.log\"; do sleep 0.05; done; kill -INT 0; exit 130");
   fleet.program("scancel", "echo \"cancelled $1\"");
   const Ran run = fleet.run("", "3", "env --default-signal=INT setsid --wait");
   INFO(run.output);
