@@ -115,20 +115,21 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   const int rows = room->rows, cols = room->cols;
   const auto clipped = std::make_shared<RandomPlanes>(2, rows, cols, 0.7f, 0.75f, 6);
   clipped->fill(1, 0);
+  const PathAhead path{.after_to_state = room->vectors.plane(0),
+                       .state_to_after = room->vectors.plane(2),
+                       .last = room->vectors.plane(0),
+                       .measured = clipped->plane(0),
+                       .share = 0.5f,
+                       .before = 0.5f};
   const auto nowhere = std::make_shared<Image<float>>(1, 1, cols / kLandingCell + 1);
   nowhere->fill(kNowhere);
   // two rounds: places 18, a mean 6, a bend 25; then a place 10, two shares 17, what they take over 10
   add_rows(tasks, "motion over a clipped frame", rows, cols, 2 * (18 + 6 + 25) + 37, 15,
-           [room, clipped, nowhere, rows, cols](int y) {
+           [room, clipped, nowhere, path, rows, cols](int y) {
              clipped_motion_kernels().bridge({.at = {rows, cols, y},
                                               .clipped = clipped->row(0, y),
                                               .clipped_after = clipped->plane(1),
-                                              .path = {.after_to_state = room->vectors.plane(0),
-                                                       .state_to_after = room->vectors.plane(2),
-                                                       .last = room->vectors.plane(0),
-                                                       .measured = clipped->plane(0),
-                                                       .share = 0.5f,
-                                                       .before = 0.5f},
+                                              .path = path,
                                               .landed_u = nowhere->row(0, 0),
                                               .landed_v = nowhere->row(0, 0),
                                               .from = room->vectors.plane(0),
@@ -140,16 +141,11 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   const auto cells =
       std::make_shared<std::vector<CheckedPathCell>>(static_cast<std::size_t>(cols / kLandingCell + 1));
   add_rows(tasks, "motion over a clipped frame: check", rows, cols, 2 * (18 + 6 + 25) + 34, 9,
-           [room, clipped, cells, rows, cols](int y) {
+           [room, clipped, cells, path, rows, cols](int y) {
              clipped_motion_kernels().compare({.at = {rows, cols, y},
                                                .clipped = clipped->row(0, y),
                                                .clipped_after = clipped->plane(1),
-                                               .path = {.after_to_state = room->vectors.plane(0),
-                                                        .state_to_after = room->vectors.plane(2),
-                                                        .last = room->vectors.plane(0),
-                                                        .measured = clipped->plane(0),
-                                                        .share = 0.5f,
-                                                        .before = 0.5f},
+                                               .path = path,
                                                .u = room->flow.row(0, y),
                                                .v = room->flow.row(1, y),
                                                .cells = cells->data()});

@@ -6,17 +6,19 @@
 
 #include <cstddef>
 
+#include <catch2/catch.hpp>
+
 namespace hdrcam::test {
 
 class RefusedThreads {
  public:
   RefusedThreads() {
     constexpr std::size_t kTooLarge_bytes = std::size_t{1} << 60;
-    pthread_getattr_default_np(&usual_);
+    REQUIRE(pthread_getattr_default_np(&usual_) == 0);
     pthread_attr_t refused;
-    pthread_getattr_default_np(&refused);
-    pthread_attr_setstacksize(&refused, kTooLarge_bytes);
-    pthread_setattr_default_np(&refused);
+    REQUIRE(pthread_attr_init(&refused) == 0);
+    REQUIRE(pthread_attr_setstacksize(&refused, kTooLarge_bytes) == 0);
+    REQUIRE(pthread_setattr_default_np(&refused) == 0);
     pthread_attr_destroy(&refused);
   }
   ~RefusedThreads() {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "online/priors/motion/flow_kernels.h"
+#include "online/priors/motion/landing.h"
 
 namespace hdrcam {
 namespace {
@@ -20,15 +20,13 @@ std::array<float, kReach + 1> fading() {
   return weights;
 }
 
-int cells_of(int pixels) { return (pixels + kLandingCell - 1) / kLandingCell; }
-
 }  // namespace
 
 BridgeError::BridgeError(int rows, int cols)
     : rows_(rows),
       cols_(cols),
-      down_(cells_of(rows)),
-      across_(cells_of(cols)),
+      down_(landing_cells(rows)),
+      across_(landing_cells(cols)),
       sums_(static_cast<std::size_t>(down_) * static_cast<std::size_t>(across_)),
       off_(2, down_, across_) {}
 

@@ -48,9 +48,8 @@ void land(float x, float y, float u, float v, Image<float>& cells) {
 }  // namespace
 
 Landing::Landing(int rows, int cols) {
-  const auto cells = [](int pixels) { return (pixels + kLandingCell - 1) / kLandingCell; };
-  landed_ = Image<float>(2, cells(rows), cells(cols));
-  cells_ = Image<float>(2, cells(rows), cells(cols));
+  landed_ = Image<float>(2, landing_cells(rows), landing_cells(cols));
+  cells_ = Image<float>(2, landing_cells(rows), landing_cells(cols));
 }
 
 void Landing::throw_ahead(const Image<float>& there, const Image<float>& back, float least, float share) {

@@ -9,6 +9,9 @@
 
 namespace hdrcam {
 
+// How many cells pixels take, along an axis.
+constexpr int landing_cells(int pixels) { return (pixels + kLandingCell - 1) / kLandingCell; }
+
 class Landing {
  public:
   Landing(int rows, int cols);  // of the picture

@@ -1,8 +1,6 @@
 // Loops of a pool: every index once, each thread its own part first, and nobody waits for a slow one.
 #include "hal/core/worker_pool.h"
 
-#include <pthread.h>
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -11,6 +9,8 @@
 #include <set>
 #include <thread>
 #include <vector>
+
+#include "tests/support/refused_threads.h"
 
 #include <catch2/catch.hpp>
 
@@ -46,30 +46,8 @@ TEST_CASE("a pool takes every index once, whatever the count and the number of t
   }
 }
 
-// As long as it lives the system starts no thread: none has an address space for such a stack.
-class NoMoreThreads {
- public:
-  NoMoreThreads() {
-    REQUIRE(pthread_getattr_default_np(&usual_) == 0);
-    pthread_attr_t huge;
-    REQUIRE(pthread_attr_init(&huge) == 0);
-    REQUIRE(pthread_attr_setstacksize(&huge, std::size_t{1} << 50) == 0);
-    REQUIRE(pthread_setattr_default_np(&huge) == 0);
-    pthread_attr_destroy(&huge);
-  }
-  ~NoMoreThreads() {
-    pthread_setattr_default_np(&usual_);
-    pthread_attr_destroy(&usual_);
-  }
-  NoMoreThreads(const NoMoreThreads&) = delete;
-  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
-
- private:
-  pthread_attr_t usual_;
-};
-
 TEST_CASE("where the system starts no more threads a pool does with those that it has") {
-  const NoMoreThreads none;
+  const test::RefusedThreads none;
   WorkerPool pool(5);
   CHECK(pool.threads() == 1);
   std::vector<int> times(64);
