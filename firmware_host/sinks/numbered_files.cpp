@@ -27,11 +27,10 @@ class NumberedFiles : public FrameSink {
  private:
   // Of two runs that began together with the same names the later one ends here, and replaces no file.
   Result<void> write_first(const EmittedFrame& frame, const std::string& path) {
-    auto making = FileInMaking::beside(storage_, path);
-    if (!making) return write_(frame, storage_, path);  // a FIFO or a device
-    TRY(earlier_.check_none_came());
-    TRY(making->as_asked(write_(frame, storage_, making->path())));
-    return making->commit(Durability::WrittenBack, Forestalled::Goes);
+    FileInMaking making = TRY(FileInMaking::beside_or_through(storage_, path));
+    if (!making.is_through()) TRY(earlier_.check_none_came());
+    TRY(making.as_asked(write_(frame, storage_, making.path())));
+    return making.commit(Durability::WrittenBack, Forestalled::Goes);
   }
 
   Storage& storage_;

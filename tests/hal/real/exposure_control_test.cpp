@@ -67,6 +67,17 @@ struct SensorDriver {
   }
 };
 
+// What an IMX219 with such a driver can do.
+CameraCapabilities described_sensor() {
+  SensorDriver driver;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  CameraCapabilities camera;
+  ExposureControl::of_sensor(sensor, "imx219 10-0010").describe(camera);
+  return camera;
+}
+
 TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that it had") {
   SensorDriver driver;
   const auto before = driver.values;
@@ -87,12 +98,7 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
 }
 
 TEST_CASE("the limits of a sensor's exposure are times before it is configured, too") {
-  SensorDriver driver;
-  const test::AnsweredIoctl kernel(
-      [&](unsigned long request, void* argument) { return driver(request, argument); });
-  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
-  CameraCapabilities camera;
-  ExposureControl::of_sensor(sensor, "imx219 10-0010").describe(camera);
+  const CameraCapabilities camera = described_sensor();
   // a line is 640 + 160 pixels at 24 MHz
   CHECK(camera.exposure_step == Duration(33'333));
   CHECK(camera.exposure_min == Duration(33'333));
@@ -100,12 +106,7 @@ TEST_CASE("the limits of a sensor's exposure are times before it is configured, 
 }
 
 TEST_CASE("the gains of a sensor are those of its codes, whose steps grow with the gain") {
-  SensorDriver driver;
-  const test::AnsweredIoctl kernel(
-      [&](unsigned long request, void* argument) { return driver(request, argument); });
-  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
-  CameraCapabilities camera;
-  ExposureControl::of_sensor(sensor, "imx219 10-0010").describe(camera);
+  const CameraCapabilities camera = described_sensor();
   REQUIRE(camera.gains.size() == 232);
   CHECK(camera.gain_step == 0);
   CHECK(camera.gains.front() == camera.gain_min);
