@@ -48,7 +48,7 @@ class QuietStream {
 
 class QuietStreams : public Catch::TestEventListenerBase {
  public:
-  using TestEventListenerBase::TestEventListenerBase;
+  using Catch::TestEventListenerBase::TestEventListenerBase;
 
   void testCaseStarting(const Catch::TestCaseInfo&) override {
     warned_ = false;
@@ -57,10 +57,11 @@ class QuietStreams : public Catch::TestEventListenerBase {
     std::cout.flush();
     out_.keep_aside(), err_.keep_aside();
   }
-  bool assertionEnded(const Catch::AssertionStats& stats) override {
-    warned_ |= stats.assertionResult.getResultType() == Catch::ResultWas::Warning;
-    return false;
-  }
+#if CATCH_VERSION_MAJOR >= 3
+  void assertionEnded(const Catch::AssertionStats& stats) override { look_for_warning(stats); }
+#else
+  bool assertionEnded(const Catch::AssertionStats& stats) override { return look_for_warning(stats), false; }
+#endif
   void testCaseEnded(const Catch::TestCaseStats& stats) override {
     const bool show = warned_ || stats.totals.assertions.failed > 0;
     std::cout.flush();
@@ -68,6 +69,10 @@ class QuietStreams : public Catch::TestEventListenerBase {
   }
 
  private:
+  void look_for_warning(const Catch::AssertionStats& stats) {
+    warned_ |= stats.assertionResult.getResultType() == Catch::ResultWas::Warning;
+  }
+
   QuietStream out_{stdout}, err_{stderr};
   bool warned_ = false;
 };

@@ -183,7 +183,8 @@ double VirtualCamera::recorded_way_px(const ExposureInterval& exposure) const {
 // an exposure.
 double VirtualCamera::path_way_px(int frame) const {
   if (!plan_.view.is_path()) return 0;
-  const Keyframe& key = interval_at(plan_.first.seconds() + plan_.scene_s(frame)).nearest();
+  const KeyframeInterval interval = interval_at(plan_.first.seconds() + plan_.scene_s(frame));
+  const Keyframe& key = interval.nearest();
   const double half_s = 0.5 * plan_.shutter_s, centre_s = plan_.playback_s(frame);
   std::array<RigidTransform, 3> views;  // recorded to virtual camera: at the begin, the centre and the end
   for (std::size_t i = 0; i < views.size(); ++i)

@@ -20,7 +20,7 @@ namespace {
 
 // Rows of two moments; those of a PNG may be stored in another order, which its decoder calls so, too.
 bool is_interlaced(const AVFrame& frame, AVCodecID codec) {
-  return frame.interlaced_frame != 0 && codec != AV_CODEC_ID_PNG && codec != AV_CODEC_ID_APNG;
+  return libav::is_interlaced(frame) && codec != AV_CODEC_ID_PNG && codec != AV_CODEC_ID_APNG;
 }
 
 // A file is what was named: a playlist opens no others, and nothing on a network.
@@ -241,7 +241,7 @@ void VideoFile::lose_until_key() {
 bool VideoFile::is_whole() {
   if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0)
     awaits_key_frame_ = true;
-  else if (frame_->key_frame != 0)
+  else if (libav::is_key(*frame_))
     awaits_key_frame_ = false;
   if (awaits_key_frame_) ++losses_.damaged;
   return !awaits_key_frame_;

@@ -7,6 +7,8 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -22,6 +24,31 @@ struct Free {
 using CodecContext = std::unique_ptr<AVCodecContext, Free>;
 using Frame = std::unique_ptr<AVFrame, Free>;
 using Packet = std::unique_ptr<AVPacket, Free>;
+
+// FFmpeg 5 (Debian 12) has other names than 6.1 and later (Ubuntu 24.04, Debian 13).
+#if LIBAVFORMAT_VERSION_MAJOR >= 61
+using Written = const std::uint8_t;  // what a stream is given to write
+#else
+using Written = std::uint8_t;
+#endif
+#ifdef AV_FRAME_FLAG_KEY
+inline bool is_key(const AVFrame& frame) { return (frame.flags & AV_FRAME_FLAG_KEY) != 0; }
+inline bool is_interlaced(const AVFrame& frame) { return (frame.flags & AV_FRAME_FLAG_INTERLACED) != 0; }
+#else
+inline bool is_key(const AVFrame& frame) { return frame.key_frame != 0; }
+inline bool is_interlaced(const AVFrame& frame) { return frame.interlaced_frame != 0; }
+#endif
+
+// `data`, from av_malloc, belongs to the stream then. False: no memory.
+inline bool add_side_data(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size) {
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100)
+  AVCodecParameters& codec = *stream.codecpar;
+  return av_packet_side_data_add(&codec.coded_side_data, &codec.nb_coded_side_data, type, data, size, 0) !=
+         nullptr;
+#else
+  return av_stream_add_side_data(&stream, type, static_cast<std::uint8_t*>(data), size) >= 0;
+#endif
+}
 
 // The library's message for a negative return code.
 inline std::string words(int code) {

@@ -46,7 +46,7 @@ int StorageStream::read(void* self, std::uint8_t* bytes, int size) {
   return static_cast<int>(done.value());
 }
 
-int StorageStream::write(void* self, std::uint8_t* bytes, int size) {
+int StorageStream::write(void* self, libav::Written* bytes, int size) {
   auto& stream = *static_cast<StorageStream*>(self);
   if (stream.failure_) return AVERROR(EIO);  // data after a failed write must not look like a whole cluster
   const auto done =

@@ -31,7 +31,7 @@ class StorageStream {
 
  private:
   static int read(void* self, std::uint8_t* bytes, int size);
-  static int write(void* self, std::uint8_t* bytes, int size);
+  static int write(void* self, libav::Written* bytes, int size);
   static std::int64_t seek(void* self, std::int64_t offset, int whence);
   template <class T>
   int failed(const Result<T>& result);

@@ -61,16 +61,15 @@ void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel&
   mastering->min_luminance = luminance(display.black_nits);
   mastering->max_luminance = luminance(display.peak_nits);
   mastering->has_primaries = mastering->has_luminance = 1;
-  HDRCAM_CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA,
-                                       reinterpret_cast<std::uint8_t*>(mastering), sizeof *mastering) >= 0);
+  HDRCAM_CHECK(
+      libav::add_side_data(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA, mastering, sizeof *mastering));
 
   std::size_t size = 0;
   AVContentLightMetadata* light = av_content_light_metadata_alloc(&size);
   HDRCAM_CHECK(light != nullptr);
   light->MaxCLL = static_cast<unsigned>(level.most_nits);
   light->MaxFALL = static_cast<unsigned>(level.most_mean_nits);
-  HDRCAM_CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL,
-                                       reinterpret_cast<std::uint8_t*>(light), size) >= 0);
+  HDRCAM_CHECK(libav::add_side_data(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL, light, size));
 }
 
 std::string x265_parameters(const MasteringDisplay& display) {

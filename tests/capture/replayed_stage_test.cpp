@@ -21,7 +21,7 @@ using Catch::Contains;
 namespace {
 
 constexpr int kFrames = 24, kBits = 12;
-const BlackLevel kBlack(16);  // of 255
+constexpr BlackLevel kBlack(16);  // of 255
 
 struct Stated {
   double exposure_s = 0;

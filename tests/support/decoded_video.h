@@ -55,7 +55,14 @@ std::optional<T> side_data(const AVFrame& frame, AVFrameSideDataType type) {
 }
 template <class T>
 std::optional<T> side_data(const AVStream& stream, AVPacketSideDataType type) {
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100)  // FFmpeg 6.1
+  const AVCodecParameters& codec = *stream.codecpar;
+  const AVPacketSideData* const side =
+      av_packet_side_data_get(codec.coded_side_data, codec.nb_coded_side_data, type);
+  const std::uint8_t* const found = side == nullptr ? nullptr : side->data;
+#else
   const std::uint8_t* const found = av_stream_get_side_data(&stream, type, nullptr);
+#endif
   return found == nullptr ? std::nullopt : std::optional(*reinterpret_cast<const T*>(found));
 }
 
