@@ -39,6 +39,12 @@ double cycle_mean(const std::vector<RawFrame>& frames) {
   return std::exp(sum / static_cast<double>(counted.size()));
 }
 
+// From black to the largest code. A stated black level is the same in all channels.
+float range_above(const BlackLevel& black_level) {
+  constexpr std::size_t kGreen = 1;
+  return kMaxCode - black_level[kGreen];
+}
+
 }  // namespace
 
 ExposedStream::ExposedStream(const CameraFacts& camera, int first_frames, StatedBlack stated_black)
@@ -85,12 +91,19 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
   return {};
 }
 
+// A code above black is the same light in all frames, but where black is higher the largest code is less
+// light: stretched to 255 like the others, such a frame looks as if it were exposed longer.
+void ExposedStream::remove_black(const BlackLevel& own) {
+  remove_black_level(frame_, own);
+  frame_.exposure *= range_above(*black_level_) / range_above(own);
+}
+
 // Into frame_.
 Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
   StageWatch watch(timing_);
   TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
-  if (black_level_) remove_black_level(frame_, raw.facts.black_level.value_or(*black_level_));
+  if (black_level_) remove_black(raw.facts.black_level.value_or(*black_level_));
   if (is_companded_) compand(frame_);
   ++arrived_;
   watch.lap(Stage::Unpack);

@@ -1,6 +1,8 @@
 // The end of capture/: raw frames of one stream -> exposed frames. Exposures are relative to the stream's
 // reference E_ref, the geometric mean of its cycle, so the first frames wait until that cycle is known;
-// from then on each frame is handed on as it arrives. Thread-bound; no allocation per frame after that.
+// from then on each frame is handed on as it arrives. One radiance scale holds for all frames: where their
+// black levels differ, exposures are those that saturate at the first one's. Thread-bound; no allocation per
+// frame after that.
 #pragma once
 
 #include <functional>
@@ -35,6 +37,7 @@ class ExposedStream {
  private:
   Result<void> start(const HandOn& hand_on);
   Result<void> expose(const RawFrame& raw, double interval_s);
+  void remove_black(const BlackLevel& own);
 
   const std::size_t first_frames_;
   const StatedBlack stated_black_;

@@ -87,7 +87,7 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, const Black
 float PhotometricResponse::log_exposure(float code) const {
   if (code < darkest_) return -kInfinity;
   if (code >= clip_policy::kPhotometryClipped) return kInfinity;
-  if (linear_) return std::log((code - black_) / (255 - black_));
+  if (linear_) return std::log((code - black_) / 255);
   const auto below = static_cast<std::size_t>(code);
   return log_[below] + (code - static_cast<float>(below)) * (log_[below + 1] - log_[below]);
 }

@@ -200,6 +200,36 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("light has one scale in all frames, whatever black level each of them states") {
+  constexpr std::uint16_t kAboveBlack = 60;  // codes of 1 ms; the same light in all frames
+  for (const bool linear : {true, false}) {
+    CameraFacts camera;
+    camera.width = 4, camera.height = 2, camera.linear = linear;
+    ExposedStream stream(camera, 2, StatedBlack::Removed);
+    Handed handed;
+    for (int i = 0; i < 4; ++i) {
+      const int black = i < 3 ? 16 * i : 64;
+      const std::uint16_t times = i % 2 == 0 ? 1 : 2;
+      RawFrame raw;
+      raw.facts.sequence = static_cast<std::uint64_t>(i), raw.facts.timestamp = Instant{i * 33ms};
+      raw.facts.exposure_s = 0.001 * times;
+      raw.facts.black_level = BlackLevel(black);
+      raw.codes = Image<std::uint16_t>(3, 2, 4);
+      raw.codes.fill(static_cast<std::uint16_t>(black + times * kAboveBlack));
+      REQUIRE(stream.take(raw, handed.keep()).ok());
+    }
+    REQUIRE(handed.frames.size() == 4);
+    const auto light_of = [&](const ExposedFrame& frame) {
+      const float share = frame.codes.at(1, 0, 0) / kMaxCode;
+      return (linear ? share * share : share) / frame.exposure;
+    };
+    for (const ExposedFrame& frame : handed.frames) {
+      INFO("linear " << linear << ", frame " << frame.index);
+      CHECK(light_of(frame) == Approx(light_of(handed.frames.front())));
+    }
+  }
+}
+
 TEST_CASE("an exposure that cannot be is an error when its frame arrives, even while frames wait") {
   test::MovingScene scene;
   scene.exposures_s = {0.001, std::nan("")};

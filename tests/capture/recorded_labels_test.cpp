@@ -176,7 +176,8 @@ TEST_CASE("raw frames are judged by the black level that each of them states", "
   camera.linear = true;
   std::vector<RawFrame> frames;
   for (int i = 0; i < 24; ++i) {
-    scene.black_level = i % 3 == 0 ? 40 : 8;
+    scene.black_level = i % 3 == 0 ? 80 : 8;
+    scene.sensitivity = 250. * 255 / (255 - scene.black_level);  // a code above black is the same light
     frames.push_back(scene.frame(i));
     frames.back().facts.black_level = BlackLevel(static_cast<float>(scene.black_level));
   }
