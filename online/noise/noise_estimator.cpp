@@ -23,7 +23,7 @@ constexpr int kMostTurns = 8;
 // little.
 constexpr float kFirstCode = clip_policy::kNoisePair.darkest;
 constexpr float kLastCode = clip_policy::kNoisePair.brightest;
-constexpr float kDarkest = 1e-4f;   // exposure: what is darker counts to the same bin
+constexpr float kDarkest = 1e-4f;   // exposure: what is darker counts to the last bin
 constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 
 float range_5x5(const Image<float>& image, int channel, int y, int x) {
@@ -198,6 +198,9 @@ void NoiseEstimator::sort_into_bins(float ratio, PairGains gains) {
 // One row of those looked at; how many pixels and channels of it tell of the noise.
 int NoiseEstimator::compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response,
                                 float ratio, int row) {
+  static_assert(
+      kDarkest * kDarkest * (1 << kBrightnesses) > 1 && kDarkest * kDarkest * (1 << (kBrightnesses - 1)) <= 1,
+      "the darkest exposure lies in the last bin");
   const int y = kMargin + row * kStride;
   int found = 0;
   for (int x = kMargin; x < a.codes.cols() - kMargin; x += kStride) {

@@ -83,7 +83,7 @@ class NoiseEstimator {
   static Equation equation_of(const Bin& bin, std::vector<float>& sorted);
   void collect_equations();
 
-  static constexpr int kBrightnesses = 28;  // half stops below full exposure
+  static constexpr int kBrightnesses = 27;  // half stops below full exposure
 
   WorkerPool& pool_;
   long pairs_ = 0;
