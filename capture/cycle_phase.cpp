@@ -188,14 +188,29 @@ std::vector<double> refined(std::span<const CycleStep> steps, std::span<const do
   return around_mean(medians(ratios));
 }
 
-// After how many frames the exposures repeat; 0 where they do not.
+// A size, ln, that most steps are below. Half of a cycle's steps may be none, as of one long exposure among
+// four; losses leave a part of those over a whole cycle large.
+double usual_size(std::span<const CycleStep> steps) {
+  std::vector<double> sizes;
+  for (const CycleStep& step : steps) sizes.push_back(std::abs(step.log_ratio));
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 3 / 5);
+  std::ranges::nth_element(sizes, at);
+  return *at;
+}
+
+// After how many frames the exposures repeat; 0 where they do not. Neighbours in a cycle of small steps
+// differ by no more than frames of one exposure may, but frames a whole cycle apart by far less.
 std::size_t period_of(const StepsByLag& steps) {
+  constexpr double kFarLess = 0.4;
+  std::size_t period = 0;
+  double least = std::numeric_limits<double>::infinity();  // of shorter lags
   for (std::size_t lag = 1; lag <= steps.size(); ++lag) {
-    std::vector<double> sizes;
-    for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
-    if (!sizes.empty() && median(sizes) < kSameInFootage) return lag;
+    if (steps[lag - 1].empty()) continue;
+    const double size = usual_size(steps[lag - 1]);
+    if (size < kSameInFootage && size < kFarLess * least && least > kSameExposure) period = lag;
+    least = std::min(least, size);
   }
-  return 0;
+  return period;
 }
 
 }  // namespace

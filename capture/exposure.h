@@ -36,7 +36,7 @@ bool all_same(std::span<const Exposure> cycle);
 // A claim outside the cycle and an exposure of it, as far as pictures can tell: the interval of a measured
 // ratio reaches 0.1 to each side in a static scene, and more in others (photometry.h).
 inline constexpr double kSameToPictures = 0.15;
-// Frames of footage a whole cycle apart, by the median of their pictures' ratios: what a moving scene does to
+// Frames of footage a whole cycle apart, by most of their pictures' ratios: what a moving scene does to
 // frames of one exposure.
 inline constexpr double kSameInFootage = 0.15;
 // The first frames of a stream whose cycle is not found: most schedules jitter by less.

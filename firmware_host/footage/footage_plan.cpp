@@ -347,7 +347,11 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   plan.origin = estimate ? ExposureOrigin::Estimated : ExposureOrigin::Cycle;
   plan.cycle =
       estimate ? TRY(estimate_cycle(seen.steps)) : TRY(parse_exposures(request.shutter, request.gain));
-  plan.walk = TRY(find_walk(seen.steps[0], plan.cycle));
+  auto walk = find_walk(seen.steps[0], plan.cycle);
+  if (!walk && estimate)  // what was estimated is no cycle that the user knows of
+    return Error{ErrorCode::BadExposure,
+                 "the pictures show no steady cycle of exposures; give it with --shutter"};
+  plan.walk = TRY(std::move(walk));
   take_walk(plan);
   return plan;
 }

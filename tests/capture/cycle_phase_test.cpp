@@ -41,6 +41,35 @@ Footage footage(const std::vector<Exposure>& cycle, int frames, int first,
   return made;
 }
 
+// What pictures say of such frames over one to four of them, with an error of `least` and a tenth of the
+// ratio.
+StepsByLag steps_by_lag(const std::vector<Exposure>& cycle, const std::vector<int>& slots, double stretch,
+                        double least) {
+  StepsByLag steps(4);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (std::size_t lag = 1; lag <= 4; ++lag)
+    for (std::size_t i = 0; i + lag < slots.size(); ++i) {
+      const double ratio = stretch * (log_product(cycle[static_cast<std::size_t>(slots[i + lag])]) -
+                                      log_product(cycle[static_cast<std::size_t>(slots[i])]));
+      const double error = (0.1 * std::abs(ratio) + least) * normal(random);
+      steps[lag - 1].push_back({StepKind::Measured, ratio + error, 0});
+    }
+  return steps;
+}
+
+// Whether each frame is given its exposure, all of them by one factor off.
+void check_exposures(const std::vector<Exposure>& found, const std::vector<int>& found_slots,
+                     const std::vector<Exposure>& truth, const std::vector<int>& slots, double margin) {
+  // The cycle may begin with another of its exposures.
+  const auto offset = [&](std::size_t i) {
+    return log_product(found[static_cast<std::size_t>(found_slots[i])]) -
+           log_product(truth[static_cast<std::size_t>(slots[i])]);
+  };
+  REQUIRE(found_slots.size() == slots.size());
+  for (std::size_t i = 0; i < slots.size(); ++i) CHECK(offset(i) == Approx(offset(0)).margin(margin));
+}
+
 const std::vector<std::vector<Exposure>> kCycles{
     {exposure_of(1), exposure_of(4)},
     {exposure_of(1), exposure_of(4), exposure_of(16)},
@@ -195,29 +224,56 @@ TEST_CASE("a cycle that nobody knows comes out of the pictures with its ratios, 
       Footage made = footage(
           cycle, 50, 1,
           losses ? std::vector<std::pair<int, int>>{{20, 1}} : std::vector<std::pair<int, int>>{}, 1, 21);
-      StepsByLag steps(4);
-      std::mt19937 random(4);
-      std::normal_distribution<double> normal;
-      for (std::size_t lag = 1; lag <= 4; ++lag)
-        for (std::size_t i = 0; i + lag < made.slots.size(); ++i) {
-          const double ratio = log_product(cycle[static_cast<std::size_t>(made.slots[i + lag])]) -
-                               log_product(cycle[static_cast<std::size_t>(made.slots[i])]);
-          const double error = (0.1 * std::abs(ratio) + 0.05) * normal(random);
-          steps[lag - 1].push_back({StepKind::Measured, ratio + error, 0});
-        }
+      const StepsByLag steps = steps_by_lag(cycle, made.slots, 1, 0.05);
       const auto found = estimate_cycle(steps);
       REQUIRE(found.ok());
       INFO(cycle.size() << " exposures");
       REQUIRE(found.value().size() == cycle.size());
       const auto walk = find_walk(steps[0], found.value());
       REQUIRE(walk.ok());
-      // The cycle may begin with another of its exposures: frame by frame, exposures differ by one factor.
-      const auto offset = [&](std::size_t i) {
-        return log_product(found.value()[static_cast<std::size_t>(walk.value().slots[i])]) -
-               log_product(cycle[static_cast<std::size_t>(made.slots[i])]);
-      };
-      for (std::size_t i = 0; i < made.slots.size(); ++i) CHECK(offset(i) == Approx(offset(0)).margin(0.35));
+      check_exposures(found.value(), walk.value().slots, cycle, made.slots, 0.35);
     }
+}
+
+TEST_CASE("a cycle of a third of a stop is found, and one of which some exposures are nearly equal") {
+  const std::vector<std::vector<double>> cycles{
+      {4, 5}, {4, 4.93, 6.06}, {2, 2.05, 2.1, 8}, {2, 8, 8.2, 8.1}, {2, 2.5, 2, 3.2}};
+  for (const std::vector<double>& times_ms : cycles)
+    for (const double stretch : {0.65, 1.0}) {
+      std::vector<Exposure> cycle;
+      for (const double ms : times_ms) cycle.push_back(exposure_of(ms));
+      const Footage made = footage(cycle, 24, 0, {}, 1, 7);
+      const StepsByLag steps = steps_by_lag(cycle, made.slots, stretch, 0.005);  // as of a moving scene
+      CAPTURE(times_ms, stretch);
+      const auto found = estimate_cycle(steps);
+      REQUIRE(found.ok());
+      REQUIRE(found.value().size() == cycle.size());
+      const auto walk = find_walk(steps[0], found.value());
+      REQUIRE(walk.ok());
+      if (stretch == 1) check_exposures(found.value(), walk.value().slots, cycle, made.slots, 0.25);
+    }
+}
+
+TEST_CASE("frames of one exposure are a cycle of one, however their scene moves") {
+  const std::vector<Exposure> cycle{exposure_of(4)};
+  for (const double error : {0.003, 0.03, 0.1}) {
+    const StepsByLag steps = steps_by_lag(cycle, std::vector<int>(40, 0), 1, error);
+    CAPTURE(error);
+    const auto found = estimate_cycle(steps);
+    REQUIRE(found.ok());
+    CHECK(found.value().size() == 1);
+  }
+}
+
+TEST_CASE("pictures that repeat over no number of frames much better than over others show no cycle") {
+  StepsByLag steps(4);
+  const double sizes[] = {0.152, 0.193, 0.142, 0.187};
+  for (std::size_t lag = 1; lag <= 4; ++lag)
+    for (std::size_t i = 0; i < 24 - lag; ++i)
+      steps[lag - 1].push_back({StepKind::Measured, i % 2 == 0 ? sizes[lag - 1] : -sizes[lag - 1], 0});
+  const auto refused = estimate_cycle(steps);
+  REQUIRE_FALSE(refused.ok());
+  CHECK_THAT(refused.error().message, Contains("--shutter"));
 }
 
 TEST_CASE("noise is no cycle") {

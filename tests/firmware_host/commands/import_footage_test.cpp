@@ -324,6 +324,19 @@ TEST_CASE("footage that does not say its exposures is not guessed at") {
   CHECK_FALSE(std::filesystem::exists(path + ".mkv"));
 }
 
+TEST_CASE("where --shutter auto finds no cycle that the pictures keep, it is not proposed again") {
+  const std::string folder = sample::scratch_folder("import_unsteady");
+  test::MovingScene unsteady = scene();
+  unsteady.drift_px = unsteady.disc_px = 0;
+  unsteady.exposures_s.assign(13, 0.001);  // most are alike
+  for (int i = 0; i < 7; ++i) unsteady.exposures_s.push_back(i % 2 == 0 ? 0.016 : 0.001);
+  for (int i = 0; i < 20; ++i)
+    test::write_jpeg(fmt::format("{}/{:02}.jpg", folder, i), unsteady.frame(i).codes, std::nullopt);
+  const auto refused = import_verb(folder + " -o " + folder + "/x.mkv --shutter auto");
+  CHECK(sample::error_of(refused).code == ErrorCode::BadExposure);
+  CHECK_THAT(sample::error_of(refused).message, Contains("give it with --shutter") && !Contains("auto"));
+}
+
 TEST_CASE("the first file that does not say its exposure is named, not the first of all") {
   const std::string folder = sample::scratch_folder("import_silent");
   for (int i = 0; i < 6; ++i)
