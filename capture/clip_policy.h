@@ -32,6 +32,14 @@ inline constexpr UsableCodes kResponseMatch{0.99f, 252.7f};
 // The limits hold for the darker sample as the brighter one predicts it.
 inline constexpr UsableCodes kNoisePair{4, 245};
 
+// The spread of a tile's codes, as the sensor's noise: none of its pixels may reach an end, where noise is
+// cut.
+inline constexpr UsableCodes kNoiseTile{0, 252};
+
+// Texture that motion blur may have taken away: a code from here on is clipped, or mixed with what is. The
+// dark limit depends on the exposures (online/response/blur_between.cpp).
+inline constexpr float kBlurClipped = 248;
+
 // A pixel has no texture to match where all its channels are beyond one end. The limit is stricter where a
 // share of clipped pixels decides between two motions than where the agreement of one pixel is rated.
 inline constexpr UsableCodes kMotionShare{4, 246}, kMotionRating{3, 248};

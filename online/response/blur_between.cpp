@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "capture/clip_policy.h"
+
 namespace hdrcam {
 namespace {
 
@@ -125,9 +127,8 @@ struct Area {
 Area all_of(const Image<float>& picture) { return {0, 0, picture.cols(), picture.rows()}; }
 
 Texture texture_of(const Image<float>& picture, const Area& area, float darkest) {
-  constexpr float kBrightest = 248;  // codes from here on are clipped, or mixed with what is
   constexpr int kApart = 2, kFar = 4;
-  const auto shows = [&](float code) { return code > darkest && code < kBrightest; };
+  const auto shows = [&](float code) { return code > darkest && code < clip_policy::kBlurClipped; };
   Texture sum;
   double fine = 0, coarse = 0;
   for (int y = area.y0; y + kFar < area.y1; ++y) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/clip_policy.h"
 #include "hal/core/median.h"
 
 namespace hdrcam {
@@ -106,7 +107,7 @@ void NoiseLevels::add(const ExposedFrame& frame) {
 }
 
 void NoiseLevels::add_tile(const Image<float>& codes, int y0, int x0) {
-  constexpr float kDarkest = 0, kBrightest = 252;  // codes: from there on noise is clipped
+  const auto [darkest, brightest] = clip_policy::kNoiseTile;
   std::array<Details, 3> details;
   std::array<float, 3> variance{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -123,7 +124,7 @@ void NoiseLevels::add_tile(const Image<float>& codes, int y0, int x0) {
       }
     const float mean = sum / (kTile * kTile);
     const auto bin = bin_of(mean, kBins);
-    if (least <= kDarkest || most >= kBrightest || !bin || tiles_[c][*bin].size() >= kEnoughTiles) continue;
+    if (least <= darkest || most >= brightest || !bin || tiles_[c][*bin].size() >= kEnoughTiles) continue;
     const std::size_t p = (c + 1) % 3, q = (c + 2) % 3;
     tiles_[c][*bin].push_back({mean,
                                contrast_around(codes, channel, y0, x0),
