@@ -49,8 +49,9 @@ struct HdrFrameHead {
 };
 
 struct HdrFrame : HdrFrameHead {
-  Image<float> radiance;           // [rgb, rows, cols], finite, >= 0
-  Image<float> sigma;              // [1, rows, cols] standard deviation of ln(radiance + white / 5000), 0..10
+  Image<float> radiance;  // [rgb, rows, cols], finite, >= 0
+  // [1, rows, cols] standard deviation of ln(radiance + white / 5000) before shrinkage, 0..10
+  Image<float> sigma;
   Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
   Image<float> depth;              // [1, rows, cols] camera z, in length_unit; empty without the field
   // [dx dy, rows, cols] pixels, each empty where it was not requested: to the previous frame (also empty for
