@@ -9,7 +9,7 @@ namespace hdrcam {
 Result<ClipTimeline> ClipTimeline::create(const Simulation& simulation, std::vector<Exposure> cycle) {
   ClipTimeline timeline(simulation, std::move(cycle));
   const double longest_s = timeline.longest_exposure_s();
-  if (longest_s * simulation.framerate_hz > 1)
+  if (from_seconds(longest_s) > simulation.frame_duration())  // both rounded: 1/60 s fits 60 fps
     return Error{
         ErrorCode::BadExposure,
         fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",

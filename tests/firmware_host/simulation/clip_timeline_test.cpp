@@ -1,6 +1,8 @@
 // The frames of a simulated clip: their times, their exposures and their facts.
 #include "firmware_host/simulation/clip_timeline.h"
 
+#include <fmt/format.h>
+
 #include "tests/contracts/expect.h"
 
 using namespace hdrcam;
@@ -60,6 +62,16 @@ TEST_CASE("a clip's exposures fit its frames") {
   const Simulation simulation = value_of(simulation_of("still?fps=100"));
   require_error(ClipTimeline::create(simulation, kCycle), ErrorCode::BadExposure);
   CHECK(value_of(ClipTimeline::create(simulation, {{1ms, 1}, {10ms, 1}})).longest_exposure_s() == 0.01);
+}
+
+TEST_CASE("an exposure as long as a frame fits it, whichever way the two are rounded") {
+  for (const int fps : {24, 30, 60, 120, 240}) {
+    const Simulation simulation = value_of(simulation_of(fmt::format("still?fps={}", fps)));
+    const std::vector<Exposure> whole = value_of(parse_exposures(fmt::format("1/{}", fps), "1"));
+    INFO(fps << " fps");
+    CHECK(ClipTimeline::create(simulation, whole).ok());
+    require_error(ClipTimeline::create(simulation, {{whole[0].time + 1us, 1}}), ErrorCode::BadExposure);
+  }
 }
 
 TEST_CASE("a clip has no gain at which a full pixel would not read as saturated") {
