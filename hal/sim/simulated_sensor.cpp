@@ -33,8 +33,9 @@ Lens lens_of(const Simulation& s) {
 }
 
 ShutterEffects shutter_of(const Simulation& s) {
-  return {if_on<MotionBlur>(s.plan, Effect::MotionBlur, s.motion_blur),
-          if_on<RollingShutter>(s.plan, Effect::RollingShutter, s.rolling_shutter, s.height)};
+  return {
+      if_on<MotionBlur>(s.plan, Effect::MotionBlur, s.motion_blur),
+      if_on<RollingShutter>(s.plan, Effect::RollingShutter, RollingShutterSettings{s.readout()}, s.height)};
 }
 
 }  // namespace

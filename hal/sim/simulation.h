@@ -3,6 +3,7 @@
 // type, reentrant.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -49,9 +50,11 @@ struct Simulation {
   DropSettings drops;
   ClockJitterSettings clock_jitter;
 
-  // From the first row's exposure to the last one's; 0 where all rows are exposed at once.
+  // From the first row's exposure to the last one's, at most a frame: a sensor reads one after the other. 0
+  // where all rows are exposed at once.
   Duration readout() const {
-    return plan.on(Effect::RollingShutter) ? rolling_shutter.readout : Duration::zero();
+    return plan.on(Effect::RollingShutter) ? std::min(rolling_shutter.readout, frame_duration())
+                                           : Duration::zero();
   }
   Duration frame_duration() const { return Duration(static_cast<Duration::rep>(1e9 / framerate_hz + 0.5)); }
 };

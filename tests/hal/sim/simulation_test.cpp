@@ -61,6 +61,12 @@ TEST_CASE("a scene without a rolling shutter has no read-out time") {
   CHECK(value_of(simulation_of("still")).readout() == Duration::zero());
 }
 
+TEST_CASE("the rows of a rolling shutter are read out within a frame") {
+  CHECK(value_of(simulation_of("fast?fps=200")).readout() == std::chrono::milliseconds(5));
+  CHECK(value_of(simulation_of("fast?fps=1000")).readout() == std::chrono::milliseconds(1));
+  CHECK(value_of(simulation_of("fast?fps=80")).readout() == std::chrono::milliseconds(12));
+}
+
 TEST_CASE("every effect is found by its name") {
   for (std::size_t i = 0; i < kEffects; ++i)
     CHECK(effect_of(name(static_cast<Effect>(i))) == static_cast<Effect>(i));
