@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kCurveSamples = 1024;  // of a response in crf.csv
 
+// What changes the light of a picture and not the true radiance (hal/sim/scene_truth.h).
+constexpr Effect kNotInTruth[] = {Effect::MotionBlur,   Effect::RollingShutter, Effect::Flare,
+                                  Effect::MainsFlicker, Effect::HotPixels,      Effect::Noise};
+
 std::array<double, 12> matrix(const Pose& pose) {
   const Mat3& R = pose.rotation;
   const Vec3 t = pose.position;
@@ -63,6 +67,9 @@ Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& fol
   json["axes"] = "x right, y down, z forward; c2w row-major 3x4";
   json["sensor_gain_per_s"] = s.sensitivity_per_s;
   json["radiance_to_sensor"] = fmt::format("x = R*exposure_s*gain*{}, clip at 1", s.sensitivity_per_s);
+  json["radiance_leaves_out"] = nlohmann::ordered_json::array();
+  for (const Effect effect : kNotInTruth)
+    if (s.plan.on(effect)) json["radiance_leaves_out"].push_back(name(effect));
   json["sensor_to_code"] =
       "code = (b + (1-b)*crf(x)) * (2^bits-1), b = black_level; crf.csv: 1024 values, x = 0..1";
   json["black_level"] = s.black_level;

@@ -1,6 +1,6 @@
 // The ground truth of a frame, as an ideal sensor behind the same lens would see it: sharp, all rows at one
-// instant, without flare, flicker or noise. Constant properties of the lens, distortion and vignetting, are
-// kept, so that the truth matches the frames pixel by pixel and stop by stop.
+// instant, without flare, flicker, leaks or noise. Constant properties of the lens, distortion and
+// vignetting, are kept, so that the truth matches the frames pixel by pixel and stop by stop.
 #pragma once
 
 #include <cstdint>

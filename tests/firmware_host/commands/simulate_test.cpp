@@ -11,6 +11,7 @@
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"
 #include "tests/contracts/expect.h"
+#include "tests/firmware_host/commands/verb_runs.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/ran_here.h"
 
@@ -87,6 +88,19 @@ TEST_CASE("a clip with truth is one that compare reads, and its truth is perfect
   CHECK(*scores.flicker_stops < 1e-6);
   CHECK(scores.mean.psnr_mu_moving_db.has_value());
   CHECK(value_of(ImageSequence::open(posix_storage(), folder + "/clip")).frame_count() == 6);
+}
+
+TEST_CASE("the truth names what pictures have and the true radiance leaves out") {
+  const std::string folder = sample::scratch_folder("simulate_left_out");
+  const auto left_out = [&](const std::string& scene) {
+    require_success(fmt::format("'{}' --truth {} --frames 1 --force", scene, folder));
+    return test::json_in(folder + "/gt/gt.json")["radiance_leaves_out"].get<std::vector<std::string>>();
+  };
+  using Names = std::vector<std::string>;
+  CHECK(left_out("night?size=32x24") ==
+        Names{"motion-blur", "flare", "mains-flicker", "hot-pixels", "noise"});
+  CHECK(left_out("pan?size=32x24&without=noise") == Names{"motion-blur", "rolling-shutter"});
+  CHECK(left_out("still?size=32x24&without=noise").empty());
 }
 
 TEST_CASE("dropped frames are gaps in the recording, flagged behind the gap") {
