@@ -16,7 +16,7 @@ namespace hdrcam {
 enum class Shape { Ball, Box, Panel, Ground, Dome };  // Panel: a rectangle facing z; Ground: a disc facing up
 enum class Surface {
   Radiant,  // the texture is the radiance, whatever the light; brightness constancy holds
-  Lit,      // the texture becomes an albedo under the ambient light and the lamps
+  Lit,      // the texture is an albedo under the ambient light and the lamps
   Lamp,     // one colour; it lights the Lit objects
 };
 
@@ -51,8 +51,8 @@ struct Scene {
   std::string name;
   static constexpr int kDome = 0;    // the first object is the dome; all others lie within it
   std::vector<SceneObject> objects;  // at most 255: ids are bytes
-  std::vector<Texture> textures;
-  Panorama panorama;  // painted on Shape::Dome
+  std::vector<Texture> textures;     // of Radiant objects and, as their albedo(), of Lit ones
+  Panorama panorama;                 // painted on Shape::Dome
   CameraPath camera;
   Colour ambient{0.5f, 0.5f, 0.5f};     // light on Lit surfaces from everywhere..
   Colour from_above{0.5f, 0.5f, 0.5f};  // ..and more from above

@@ -90,7 +90,7 @@ constexpr CatalogScene kCatalog[] = {
      kPanNeeds},
 };
 
-constexpr int kTextures = 6;
+constexpr int kTextures = 6;  // as radiance; behind them the same as albedo
 constexpr Pattern kPatterns[] = {Pattern::Stone, Pattern::Tiles, Pattern::Facade, Pattern::Stripes};
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
@@ -121,6 +121,7 @@ SceneObject floating_object(const SceneSettings& settings, int i, float distance
   if (object.shape == Shape::Ball) object.half_size_m = {size, size, size};
   object.centre_m = {z * draw.between(-0.45f, 0.45f), z * draw.between(-0.26f, 0.24f), z};
   object.texture = static_cast<int>(draw.between(0, kTextures - 0.01f));
+  if (object.surface == Surface::Lit) object.texture += kTextures;
   object.tiles_per_m = draw.between(0.35f, 0.6f) / size;
   object.gain = object.surface == Surface::Lit ? 1 : draw.between(0.25f, 2);
   ObjectMotion& motion = object.motion;
@@ -200,6 +201,7 @@ Scene make_scene(const SceneSettings& settings, int face_px, WorkerPool& pool) {
               .camera = CameraPath(settings.camera, settings.seed, entry.distance_m, settings.speed)};
   for (std::size_t i = 0; i < kTextures; ++i)
     scene.textures.emplace_back(kPatterns[i % std::size(kPatterns)], settings.seed * 31 + i);
+  for (std::size_t i = 0; i < kTextures; ++i) scene.textures.push_back(scene.textures[i].albedo());
   if (street) scene.objects.push_back(street_ground(dome_radius_m * 0.9f));
   for (int i = 0; i < settings.objects; ++i)
     scene.objects.push_back(floating_object(settings, i, entry.distance_m));

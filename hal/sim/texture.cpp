@@ -113,9 +113,22 @@ Texture::Texture(Pattern pattern, std::uint64_t seed) {
       sum += luminance(colour);
     }
   for (Texel& texel : levels_[0]) texel *= kSide * kSide / sum;
+  fill_levels();
+}
+
+Texture Texture::albedo() const {
+  constexpr float kHalfWhite = 0.6f;
+  Texture reflecting = *this;
+  for (Texel& texel : reflecting.levels_[0]) texel /= texel + kHalfWhite;
+  reflecting.fill_levels();
+  return reflecting;
+}
+
+void Texture::fill_levels() {
   for (std::size_t level = 1; level < kLevels; ++level) {
     const std::size_t side = kSide >> level;
     const std::vector<Texel>& finer = levels_[level - 1];
+    levels_[level].clear();
     for (std::size_t y = 0; y < side; ++y)
       for (std::size_t x = 0; x < side; ++x) {
         const Texel* corner = &finer[4 * y * side + 2 * x];

@@ -24,11 +24,16 @@ class Texture {
   static constexpr int kSide = 256;  // texels
   Texture(Pattern pattern, std::uint64_t seed);
 
+  // A surface of this pattern that reflects: 0..1, half of the light where the pattern's radiance is 0.6.
+  // Filtered as what it reflects is, so that it is as bright from afar as from nearby.
+  Texture albedo() const;
+
   // (u, v) in tiles; covered: how many texels of the finest level lie under one sample, for the filter.
   Colour at(float u, float v, float covered) const;
 
  private:
   static constexpr int kLevels = 8;  // 256 .. 2 texels a side
+  void fill_levels();                // from the finest
   Texel bilinear(int level, float u, float v) const;
 
   std::array<std::vector<Texel>, kLevels> levels_;  // [side, side]

@@ -250,10 +250,7 @@ Colour View::radiance(const Hit& hit, float footprint) const {
   const Colour colour =
       texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
   if (object.surface == Surface::Radiant) return colour * (object.gain * scene_->radiance_scale);
-  constexpr float kHalfWhite = 0.6f;  // the texture's radiance that becomes an albedo of 0.5
-  const auto albedo = [](float c) { return c / (c + kHalfWhite); };
-  return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) *
-         scene_->radiance_scale;
+  return lit(hit, colour * object.gain) * scene_->radiance_scale;
 }
 
 // Lambert's law under the ambient light and point lamps; no shadows.

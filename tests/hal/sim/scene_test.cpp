@@ -1,4 +1,5 @@
 // Scenes and their ground truth: what one frame says of a point must be what the next frame shows.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -145,6 +146,33 @@ TEST_CASE("a scene is as good after an hour: camera and objects stay where they 
       CHECK(std::isfinite(hit.depth_m));
       CHECK(hit.depth_m > 0.05f * entry.distance_m);
     }
+  }
+}
+
+TEST_CASE("a lit surface is as bright from afar as from nearby") {
+  WorkerPool pool(1);
+  Scene scene = make_scene(small("still").scene, 32, pool);
+  const auto lit = std::ranges::find(scene.objects, Surface::Lit, &SceneObject::surface);
+  REQUIRE(lit != scene.objects.end());
+  const auto index = static_cast<std::uint8_t>(lit - scene.objects.begin());
+  lit->shape = Shape::Panel, lit->half_size_m = {1, 1, 1}, lit->centre_m = {0, 0, 4}, lit->motion = {};
+  lit->tiles_per_m = 1;  // whole tiles, so that their mean is that of the panel
+  View view;
+  for (const int pattern : {0, 1, 2, 3}) {
+    lit->texture = lit->texture / 6 * 6 + pattern;
+    view.pose_at(scene, 0);
+    constexpr int kSide = 256;  // rays
+    double nearby = 0, afar = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto along = [](int k) { return ((static_cast<float>(k) + 0.5f) / kSide - 0.5f) / 2; };
+        const Hit hit = view.cast({along(x), along(y)}, {&index, 1});
+        REQUIRE(hit.object == index);
+        nearby += static_cast<double>(luminance(view.radiance(hit, 1e-4f)));
+        afar += static_cast<double>(luminance(view.radiance(hit, 0.02f)));
+      }
+    INFO("pattern " << pattern);
+    CHECK(std::abs(std::log2(afar / nearby)) < 0.01);
   }
 }
 
