@@ -6,7 +6,12 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kCapacity = 1.1f;  // of a pixel, in full wells
+// Electrons that a pixel holds: beyond the largest code, so that a full one is read as saturated.
+float capacity_e(const Simulation& s) {
+  constexpr float kCapacity = 1.1f;  // full wells
+  constexpr float kReadNoises = 6;   // at least, where few electrons fill a well
+  return std::max(kCapacity * s.full_well_e, s.full_well_e + kReadNoises * s.noise.read_noise_e);
+}
 
 // What the stream's format decides.
 Simulation for_layout(Simulation simulation, PixelLayout layout) {
@@ -161,7 +166,7 @@ void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<f
   if (hot_pixels_) hot_pixels_->add(channel, y, static_cast<float>(shot.exposure_s), electrons);
   if (noise_) {
     const int row = channel * light_.rows() + y;
-    noise_->apply(electrons, kCapacity * simulation_.full_well_e, shot.sequence,
+    noise_->apply(electrons, capacity_e(simulation_), shot.sequence,
                   static_cast<std::uint64_t>(row) * electrons.size());
   }
 }

@@ -1,11 +1,12 @@
 // The sensor: a scene, a lens, and the effects of the plan in the order in which light, then charge meets
 // them. An exposure goes in, codes come out:
 //   light = flicker . flare . vignetting . mean radiance over the pixel and the exposure
-//   electrons = N(light * seconds * sensitivity * full well + leaks), at most 1.1 full wells, plus read noise
+//   electrons = N(light * seconds * sensitivity * full well + leaks), at most the capacity, plus read noise
 //   code = quantised(response(gain * electrons / full well))
-// A pixel holds a tenth more than the largest code stands for, so that noise does not make a saturated pixel
-// look unsaturated. An effect that the plan has off is not constructed. Thread-bound; allocates nothing after
-// the first frame; the same simulation and shot give the same codes on any number of threads.
+// A pixel holds a tenth more than the largest code stands for, or six read noises more where those are more,
+// so that noise does not make a saturated pixel look unsaturated. An effect that the plan has off is not
+// constructed. Thread-bound; allocates nothing after the first frame; the same simulation and shot give the
+// same codes on any number of threads.
 #pragma once
 
 #include <memory>

@@ -201,6 +201,21 @@ TEST_CASE("a saturated pixel is saturated, noise or not, in 8 bits and in 12") {
     }
 }
 
+TEST_CASE("a full pixel is saturated where few electrons fill it, and where reading is as noisy as can be") {
+  for (const char* spec : {"lamps?without=motion-blur,flare&full-well=100",
+                           "lamps?without=motion-blur,flare&full-well=1500&read-noise=100"}) {
+    const Filmed scene(sized(spec), PixelLayout::Rgb, 8, {3, 0.5, 0.016, 1});
+    int full = 0, saturated = 0;
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x)
+          if (scene.exposure(c, y, x) > 3) ++full, saturated += scene.codes.at(c, y, x) == 255;
+    INFO(spec);
+    CHECK(full > 1000);
+    CHECK(saturated == full);
+  }
+}
+
 TEST_CASE("under a rolling shutter each row flickers with its own instant, all within a frame") {
   const double readout_s = GENERATE(0.012, 0.005);
   const std::string fps = readout_s < 0.012 ? "200" : "30";
