@@ -208,7 +208,8 @@ void SimulatedCamera::trigger(const Edge& edge) {
   changed_.notify_all();
 }
 
-Instant SimulatedCamera::ready_after(const Frame& frame) const {
+// When the next pulse may open a frame, or the next frame opens by itself.
+Instant SimulatedCamera::end_of(const Frame& frame) const {
   return triggered() ? frame.begin + frame.exposure + readout_of(mode_.frame_duration)
                      : begin_of(frame.sequence + 1);
 }
@@ -225,7 +226,9 @@ void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::op
   if (pulse) frame.exposure = *pulse;
   frame.begin = begin;
   frame.stamp = frame.begin + stream_.latency(sequence);
-  frame.ready = read_out_ = ready_after(frame);
+  read_out_ = end_of(frame);
+  // The last rows of a rolling shutter are exposed while the next frame's first ones are.
+  frame.ready = std::max(read_out_, frame.begin + frame.exposure + simulation_.readout());
   faults_->history[sequence % InjectedFaults::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
   if (wiring_.strobe != nullptr) wiring_.strobe->strobe(frame.begin, frame.exposure);
   if (!delivered) return;

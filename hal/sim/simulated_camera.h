@@ -102,7 +102,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   Instant begin_of(std::uint64_t frame) const;
   void advance(Instant now);
   void begin_frame(std::uint64_t frame, Instant begin, std::optional<Duration> pulse);
-  Instant ready_after(const Frame& frame) const;
+  Instant end_of(const Frame& frame) const;
   bool triggered() const { return wiring_.mode != TriggerMode::Off; }
   void trigger(const Edge& edge);
   bool is_lost(std::uint64_t frame);
@@ -127,7 +127,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   Instant epoch_;                  // frame 0 opens; with a trigger: the camera starts
   std::uint64_t next_frame_ = 0;   // to open
   std::optional<Instant> opened_;  // by a pulse that lasts
-  Instant read_out_;               // the last triggered frame
+  Instant read_out_;               // the last frame, but for a rolling shutter's last rows
   Ring<int> free_;
   Ring<Request> requests_;
   Ring<Frame> frames_;  // exposed, not waited for yet

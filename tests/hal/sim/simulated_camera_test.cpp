@@ -275,6 +275,26 @@ TEST_CASE("the simulated camera states the read-out time of its rolling shutter"
   CHECK(Stream("still?size=32x24").next().readout == Duration(0));
 }
 
+TEST_CASE("no frame is delivered before its last row was exposed") {
+  for (const int fps : {30, 200}) {
+    VirtualClock clock;
+    const auto camera = virtual_camera(
+        fmt::format("still?size=32x24&with=rolling-shutter&without=control-delay&fps={}", fps), clock);
+    value_of(camera->configure({}, 4));
+    require_done(camera->start());
+    const Duration longest = camera->capabilities().exposure_max;
+    for (std::uint64_t i = 0; i < 4; ++i)
+      require_done(camera->queue({i, i % 2 == 0 ? longest : milliseconds(1), 1}));
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(1)));
+      INFO(fps << " fps, frame " << i);
+      CHECK(buffer.cookie == i);
+      REQUIRE(buffer.exposure);
+      CHECK(clock.now() - buffer.timestamp >= *buffer.exposure + buffer.readout);
+    }
+  }
+}
+
 TEST_CASE("a camera that reports nothing says so, and offers no delays") {
   VirtualClock clock;
   const auto camera = virtual_camera(std::string(kTiny) + "&reports=no", clock);
