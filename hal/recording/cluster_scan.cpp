@@ -17,7 +17,8 @@ constexpr std::array kDocType{std::byte{0x42}, std::byte{0x82}, std::byte{0x88},
                               std::byte{'a'},  std::byte{'t'},  std::byte{'r'},  std::byte{'o'},
                               std::byte{'s'},  std::byte{'k'},  std::byte{'a'}};
 constexpr std::uint64_t kOwnHead = 64;  // bytes: what lies in them is of the file itself
-constexpr std::uint64_t kClusterHead[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7};  // before the blocks
+// Before the blocks of a cluster and, of a group, behind its block: its duration, what it refers to.
+constexpr std::uint64_t kBesideBlocks[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7, 0x9b, 0xfb};
 constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
 constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
 
@@ -51,7 +52,7 @@ Result<std::optional<ClusterScan::Element>> ClusterScan::element_at(std::uint64_
   return std::optional(element);
 }
 
-Result<std::optional<std::uint64_t>> ClusterScan::find_identifier() {
+Result<ClusterScan::Place> ClusterScan::find_identifier() {
   constexpr std::size_t kOverlap = std::max(kCluster.size(), kDocType.size()) - 1;
   std::vector<std::byte> part(64 << 10);
   for (std::uint64_t at = at_;; at += part.size() - kOverlap) {
@@ -60,10 +61,11 @@ Result<std::optional<std::uint64_t>> ClusterScan::find_identifier() {
     const auto found = std::search(part.begin(), end, kCluster.begin(), kCluster.end());
     const auto first =
         part.begin() + static_cast<std::ptrdiff_t>(at < kOwnHead ? std::min(kOwnHead, known) : 0);
-    if (std::search(std::min(first, found), found, kDocType.begin(), kDocType.end()) != found)
-      return std::optional<std::uint64_t>();  // another recording begins
-    if (found != end) return std::optional(at + static_cast<std::uint64_t>(found - part.begin()));
-    if (known < part.size()) return std::optional<std::uint64_t>();
+    const auto place = [&](auto there) { return at + static_cast<std::uint64_t>(there - part.begin()); };
+    const auto other = std::search(std::min(first, found), found, kDocType.begin(), kDocType.end());
+    if (other != found) return Place{place(other)};  // another recording begins
+    if (found != end) return Place{place(found), true};
+    if (known < part.size()) return Place{place(end)};
   }
 }
 
@@ -87,7 +89,7 @@ Result<std::optional<FoundCluster>> ClusterScan::blocks_from(std::uint64_t at, s
     std::optional<Element> element = TRY(element_at(at, end));
     if (!element) return std::optional<FoundCluster>();
     at = element->content + element->size;
-    if (std::ranges::find(kClusterHead, element->id) != std::end(kClusterHead)) continue;
+    if (std::ranges::find(kBesideBlocks, element->id) != std::end(kBesideBlocks)) continue;
     if (element->id == kBlockGroup) {
       element = TRY(element_at(element->content, at));
       if (!element || element->id != kBlock) return std::optional<FoundCluster>();
@@ -100,12 +102,21 @@ Result<std::optional<FoundCluster>> ClusterScan::blocks_from(std::uint64_t at, s
   return std::optional(std::move(found));
 }
 
+// Of the same cluster as the frame found last. Only what ends before the next identifier is: a size may be
+// damaged, and lead over other frames.
+Result<std::optional<FoundCluster>> ClusterScan::more_of_cluster(std::uint64_t end) {
+  auto found = TRY(blocks_from(behind_, end));
+  if (!found) return found;
+  return behind_ <= TRY(find_identifier()).at ? std::move(found) : std::nullopt;
+}
+
 Result<std::optional<FoundCluster>> ClusterScan::next() {
   const std::uint64_t end = TRY(file_.size());
+  if (auto found = TRY(more_of_cluster(end))) return found;
   for (;;) {
-    const auto identifier = TRY(find_identifier());
-    if (!identifier) return std::optional<FoundCluster>();
-    at_ = *identifier + kCluster.size();
+    const Place identifier = TRY(find_identifier());
+    if (!identifier.is_cluster) return std::optional<FoundCluster>();
+    at_ = identifier.at + kCluster.size();
     // Behind the cluster's own size, in one to eight bytes; what it says is not needed.
     std::array<std::byte, 1> first{};
     if (TRY(file_.read_at(at_, first)) == 0) return std::optional<FoundCluster>();

@@ -13,22 +13,23 @@
 
 namespace hdrcam {
 
-// The two blocks of a cluster.
+// The two blocks of a frame.
 struct FoundCluster {
-  std::vector<std::uint8_t> picture;  // the packet; empty in the cluster of the end record
+  std::vector<std::uint8_t> picture;  // the packet; empty with the end record
   std::string facts;
 };
 
 class ClusterScan {
  public:
-  // from: the byte of the file where the search begins; most_bytes: of a block, more is damage. The file
-  // outlives the scan.
-  ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes)
-      : file_(file), most_bytes_(most_bytes), at_(from) {}
+  // from: the byte of the file where the search begins; most_bytes: of a block, more is damage; behind: the
+  // frame read last, in its cluster, 0 for none. The file outlives the scan.
+  ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes, std::uint64_t behind = 0)
+      : file_(file), most_bytes_(most_bytes), at_(from), behind_(behind) {}
 
-  // The next cluster that holds facts; nullopt at the end of the file, or where another one was put behind
-  // it: nothing ties its frames to these. The search goes on right behind its identifier, as it may be none,
-  // unless it was accepted. Errors: those of the storage.
+  // The next frame: of the same cluster, which other programs make of many frames, or of the next one that
+  // holds facts; nullopt at the end of the file, or where another one was put behind it: nothing ties its
+  // frames to these. The search for clusters goes on right behind an identifier, as it may be none, unless
+  // its frame was accepted. Errors: those of the storage.
   Result<std::optional<FoundCluster>> next();
   // The one found last is what it seems: the search goes on behind it.
   void accept() { at_ = behind_; }
@@ -38,14 +39,20 @@ class ClusterScan {
     std::uint64_t id = 0, size = 0;
     std::uint64_t content = 0;  // where it begins
   };
-  Result<std::optional<std::uint64_t>> find_identifier();
+  // An identifier, or where there is none any more.
+  struct Place {
+    std::uint64_t at = 0;
+    bool is_cluster = false;
+  };
+  Result<Place> find_identifier();
   Result<std::optional<Element>> element_at(std::uint64_t at, std::uint64_t end);
   Result<std::optional<FoundCluster>> blocks_from(std::uint64_t at, std::uint64_t end);
+  Result<std::optional<FoundCluster>> more_of_cluster(std::uint64_t end);
   Result<bool> take_block(const Element& block, FoundCluster& found);
 
   StorageFile& file_;
   const std::uint64_t most_bytes_;
-  std::uint64_t at_, behind_ = 0;
+  std::uint64_t at_, behind_;  // behind_: the last frame found
 };
 
 }  // namespace hdrcam

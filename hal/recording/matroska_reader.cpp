@@ -195,7 +195,8 @@ class MatroskaReader : public RecordingReader {
   std::optional<Advance> ahead_;      // the first frame: read when the file was opened
   std::optional<Advance> last_;       // the end or the error, which stays
   std::uint64_t frames_ = 0;          // the place of the next frame
-  std::int64_t packet_at_ = 0;        // in the file, of the last proved facts
+  std::uint64_t facts_at_ = 0;        // in the file, of the block of the last proved facts
+  std::uint64_t facts_end_ = 0;       // of that block
   std::optional<FrameFacts> before_;  // of the last frame
   std::optional<ClusterScan> scan_;   // once there was damage
   bool scan_found_end_ = false;
@@ -286,7 +287,9 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   if (record->is_end) return std::optional<FrameFacts>();
   if (const auto objection = objection_to(record->facts, before_ ? &*before_ : nullptr))
     return corrupt(*objection);
-  packet_at_ = packet_->pos;
+  constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
+  facts_at_ = static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_->pos));
+  facts_end_ = facts_at_ + kBlockHead + text.size();
   av_packet_unref(packet_.get());
   has_picture_ = false;
   ++frames_;
@@ -300,8 +303,8 @@ void MatroskaReader::begin_search(const std::string& damage) {
                                     static_cast<std::uint64_t>(camera_.width) *
                                     static_cast<std::uint64_t>(camera_.height);
   constexpr std::uint64_t kFactsBytes = 1 << 20;  // at most; a picture takes less than twice its codes
-  scan_.emplace(container_.stream->file(), static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_at_)),
-                std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX));
+  scan_.emplace(container_.stream->file(), facts_at_,
+                std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX), facts_end_);
   left_out_.reason = damage.substr(std::min(damage.size(), damage.rfind(": ") + 2));
 }
 

@@ -252,6 +252,59 @@ TEST_CASE("behind a flipped bit all other frames are read, and the damaged one i
   CHECK(salvaged > 1000);
 }
 
+// As other programs write a recording again: all frames in the first cluster. What follows stays in its
+// place.
+std::string in_one_cluster(const std::string& bytes) {
+  const std::string identifier = "\x1f\x43\xb6\x75";
+  const std::size_t begin = bytes.find(identifier);
+  std::string blocks;
+  std::size_t behind = begin;
+  for (std::size_t at = begin; at != std::string::npos; at = bytes.find(identifier, behind)) {
+    const auto size = static_cast<std::uint8_t>(bytes[at + 4]);
+    const std::size_t content = at + (size >= 0x80 ? 5 : 6);
+    behind = content +
+             (size >= 0x80 ? size & 0x7fu : (size & 0x3fu) << 8 | static_cast<std::uint8_t>(bytes[at + 5]));
+    const std::size_t time = content + 6;  // behind the cluster's checksum
+    REQUIRE(bytes[time] == '\xe7');
+    const std::size_t first = time + 2 + (static_cast<std::uint8_t>(bytes[time + 1]) & 0x7fu);
+    blocks += bytes.substr(first, behind - first);
+  }
+  std::string joined = bytes.substr(0, begin) + identifier + '\x01';
+  for (int shift = 48; shift >= 0; shift -= 8)
+    joined += static_cast<char>((std::uint64_t{blocks.size() + 3} >> shift) & 0xffu);
+  joined += std::string("\xe7\x81\0", 3) + blocks;
+  const std::size_t left = behind - joined.size();
+  REQUIRE((left >= 2 && left < 0x7f));
+  joined += '\xec';  // Void
+  joined += static_cast<char>(0x80 | (left - 2));
+  return joined + std::string(left - 2, '\0') + bytes.substr(behind);
+}
+
+TEST_CASE("damage in a cluster of many frames costs no other frame") {
+  const Sample made = small_recording("one_cluster");
+  const std::string joined = in_one_cluster(read_whole(posix_storage(), made.path).value());
+  write_file(made.path, joined);
+  REQUIRE(sample::replay(posix_storage(), made.path).frames.size() == made.frames.size());
+  const std::size_t damaged = GENERATE(range(std::size_t{0}, std::size_t{4}));
+  CAPTURE(damaged);
+  std::string flipped = joined;
+  flipped[flipped.find(fmt::format("{{\"index\":{}", damaged)) - 30] ^= 1;
+  write_file(made.path, flipped);
+  const auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped).value();
+  std::vector<RawFrame> read;
+  for (;;) {
+    auto frame = reader->next();
+    REQUIRE(frame.ok());
+    if (!frame.value()) break;
+    read.push_back(std::move(**frame));
+  }
+  std::vector<std::size_t> others{0, 1, 2, 3};
+  std::erase(others, damaged);
+  CHECK(places_of(read, made.frames) == others);
+  CHECK(reader->left_out().places == std::vector<std::uint64_t>{damaged});
+  CHECK_FALSE(reader->left_out().end_is_missing);
+}
+
 TEST_CASE("a hole in a recording costs the frames that were in it") {
   const Sample made = small_recording("hole");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
