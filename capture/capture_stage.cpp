@@ -320,7 +320,8 @@ void CaptureStage::set_facts(const CapturedBuffer& buffer, const MatchedFrame& m
     facts.exposure_within_ev = frame.proof.within_ev;
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
   if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
-  if (matched.pulse && matched.pulse->late) facts.flags |= kFrameTriggerLate;
+  if (buffer.trigger_late || (matched.pulse && matched.pulse->late)) facts.flags |= kFrameTriggerLate;
+  facts.T_world_camera = buffer.T_world_camera;
   frame.lost_before = lost_since_emitted_;
   lost_since_emitted_ = 0;
 }

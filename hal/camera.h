@@ -158,6 +158,9 @@ struct CapturedBuffer {
   // For controls that act immediately: this request's exposure was written late or never. The frame may show
   // an earlier request's exposure instead of the one that the control delay predicts.
   bool control_late = false;
+  // What only a recording states of a frame: where it was seen from, and that its trigger pulse was late.
+  std::optional<PoseMatrix> T_world_camera;
+  bool trigger_late = false;
   StreamMode mode;
   YuvCoding yuv;                      // of YUV formats, as the camera states it
   std::size_t stride = 0;             // bytes a row (of the first plane)

@@ -74,9 +74,9 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
-  if (is_read_as_fast_as_asked(settings.camera))
+  if (is_replayed(settings.camera.id))
     TRY(check_recorded_poses(around.storage, replayed_file(settings.camera.id), settings));
-  else if (!is_replayed(settings.camera.id))
+  else
     TRY(check_tracked_poses(settings, "a camera states none"));
   TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
   if (keeps_nothing(settings))

@@ -211,6 +211,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     buffer.readout = from_seconds(facts.readout_s);
     buffer.black_level = facts.black_level;
     buffer.exposure_source = facts.exposure_source;
+    buffer.T_world_camera = facts.T_world_camera;
+    buffer.trigger_late = (facts.flags & kFrameTriggerLate) != 0;
     buffer.mode = mode_;
     buffer.stride = packed_stride(mode_.format, mode_.width);
     buffer.pixels = bytes;

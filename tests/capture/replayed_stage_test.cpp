@@ -30,6 +30,9 @@ struct Stated {
 };
 constexpr Stated kAlternating[] = {{0.002}, {0.008}};
 
+PoseMatrix pose_of(int frame) { return {1, 0, 0, 0.1 * frame, 0, 1, 0, 0, 0, 0, 1, 0}; }
+bool is_late(int frame) { return frame % 5 == 2; }
+
 // A smooth scene that does not move, raw, exposed in turn like this.
 std::string write_recording(const std::string& name, ExposureSource source,
                             std::span<const Stated> stated = kAlternating) {
@@ -45,6 +48,8 @@ std::string write_recording(const std::string& name, ExposureSource source,
     frame.facts.timestamp = Instant::from_seconds(1 + i / camera.framerate_hz);
     frame.facts.exposure_source = source;
     frame.facts.black_level = of.black;
+    frame.facts.T_world_camera = pose_of(i);
+    if (is_late(i)) frame.facts.flags = kFrameTriggerLate;
     const double black = of.black.code(kBits);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
@@ -101,6 +106,16 @@ TEST_CASE("frames of a replay keep the black level that each states, and are pro
   by_user.black_level = BlackLevel(5);
   for (const CapturedFrame& frame : captured_from(path, by_user))
     CHECK(frame.raw.facts.black_level == by_user.black_level);
+}
+
+TEST_CASE("frames of a replay keep their poses and the flag of a late trigger pulse") {
+  const auto frames = captured_from(write_recording("stage_poses", ExposureSource::Reported));
+  for (int i = 0; i < kFrames; ++i) {
+    const FrameFacts& facts = frames[static_cast<std::size_t>(i)].raw.facts;
+    CAPTURE(i);
+    CHECK(facts.T_world_camera == pose_of(i));
+    CHECK(((facts.flags & kFrameTriggerLate) != 0) == is_late(i));
+  }
 }
 
 TEST_CASE("frames of a replay that differ in digital gain alone have the slots of their exposures") {

@@ -423,9 +423,11 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
   refused({"replay", no_lens, "--preset", "fast", "--force", "-o", frames, "--transforms", transforms},
           "states no lens");
   const std::string early = folder + "/early", of_no_lens = "'" + no_lens + "' has poses but states no lens";
-  for (const std::vector<std::string>& verb : {std::vector<std::string>{"replay", no_lens},
-                                               {"render", no_lens},
-                                               {"live", "--camera", "replay:" + no_lens}})
+  for (const std::vector<std::string>& verb :
+       {std::vector<std::string>{"replay", no_lens},
+        {"render", no_lens},
+        {"live", "--camera", "replay:" + no_lens},
+        {"live", "--camera", "replay:" + no_lens, "--pace", "realtime"}})
     for (const std::vector<std::string>& file :
          {std::vector<std::string>{"--transforms", early + "/t.json"}, {"--colmap", early + "/colmap"}}) {
       std::vector<std::string> words = verb;
@@ -439,6 +441,7 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
   for (const std::vector<std::string>& verb : {std::vector<std::string>{"replay", bare},
                                                {"replay", whole, "--set", "pose=tracked"},
                                                {"live", "--camera", "replay:" + bare},
+                                               {"live", "--camera", "replay:" + bare, "--pace", "realtime"},
                                                {"live", "--camera", "sim:still?size=32x32", "--frames", "2"}})
     for (const std::vector<std::string>& file :
          {std::vector<std::string>{"--transforms", early + "/t.json"}, {"--colmap", early + "/colmap"}}) {

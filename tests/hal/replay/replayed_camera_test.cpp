@@ -27,6 +27,7 @@ RawFrame frame_of(const CameraFacts& camera, int i) {
   frame.facts.timestamp =
       Instant::from_seconds(5 + 0.01 * i + (frame.facts.exposure_s + frame.facts.readout_s) / 2);
   frame.facts.exposure_source = ExposureSource::Embedded;
+  if (i % 5 == 0) frame.facts.flags = kFrameTriggerLate;
   return frame;
 }
 
@@ -74,6 +75,7 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
       REQUIRE(buffer.analogue_gain == truth.facts.analogue_gain);
       REQUIRE(buffer.readout == std::chrono::microseconds(500));
       REQUIRE(buffer.centre == truth.facts.timestamp);
+      REQUIRE(buffer.trigger_late == (i % 5 == 0));
       REQUIRE(buffer.exposure_source == ExposureSource::Embedded);
       REQUIRE(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
     }
