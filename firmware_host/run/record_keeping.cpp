@@ -22,11 +22,6 @@
 namespace hdrcam {
 namespace {
 
-// The record of a clip holds every frame. A camera may run for weeks, so only the latest frames are kept.
-std::size_t frames_kept(RunPace pace) {
-  return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
-}
-
 // Shutter times are rounded to nominal ones, mostly by less.
 constexpr float kNotedStops = 0.05f;
 
@@ -83,6 +78,15 @@ void note_fallbacks(const OnlineStage& online, RunRecord& record) {
 
 }  // namespace
 
+// A camera may run for weeks. An hour of a clip has 150 MB of records, for which only --stats and --report
+// ask.
+std::size_t frames_kept(const RunPlan& plan, RunPace pace) {
+  const Settings::Output& output = plan.settings.output;
+  const bool are_read =
+      plan.record != nullptr || !output.path("stats").empty() || !output.path("report").empty();
+  return pace == RunPace::Clip && are_read ? std::numeric_limits<std::size_t>::max() : kFramesKept;
+}
+
 RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads) {
   RunRecord record;
   record.title = plan.title;
@@ -100,8 +104,7 @@ RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace 
   return record;
 }
 
-FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
-  const std::size_t most = frames_kept(pace);
+FrameRecord& keep(const FrameRecord& frame, std::size_t most, RunRecord& record) {
   if (record.frames.size() < most) record.frames.emplace_back();
   FrameRecord& kept = record.frames[static_cast<std::size_t>(record.emitted) % most];
   ++record.emitted;
@@ -180,8 +183,7 @@ Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, St
   return {};
 }
 
-void close_record(RunPace pace, double wall_s, RunRecord& record) {
-  const std::size_t most = frames_kept(pace);
+void close_record(std::size_t most, double wall_s, RunRecord& record) {
   if (record.frames.size() == most)  // the oldest first
     std::rotate(
         record.frames.begin(),

@@ -21,13 +21,15 @@ class Governor;
 class Pipeline;
 class VirtualCamera;
 
-constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
+// Records of frames that a run keeps, the latest; of a clip all of them, where anything reads them.
+constexpr std::size_t kFramesKept = 2048;
+std::size_t frames_kept(const RunPlan& plan, RunPace pace);
 
 // With room for the frames of a camera, so that keep() does not allocate there.
 RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads);
 
-// Counts an emitted frame and returns its entry, valid until the next call.
-FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record);
+// Counts an emitted frame and returns its entry, valid until the next call. most: frames_kept().
+FrameRecord& keep(const FrameRecord& frame, std::size_t most, RunRecord& record);
 
 // How the deadline was held.
 void add_deadline(const Governor& governor, RunRecord& record);
@@ -48,8 +50,8 @@ EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage);
 // truth; not of `earlier` ones. Errors: those of score_clip.
 Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,
                         RunRecord& record);
-// The frames in order, and what the whole run took. wall_s: seconds.
-void close_record(RunPace pace, double wall_s, RunRecord& record);
+// The frames in order, and what the whole run took. most: as for keep(); wall_s: seconds.
+void close_record(std::size_t most, double wall_s, RunRecord& record);
 // Warns of earlier frames that stayed beside the new ones; and, where somebody follows the run, says where
 // its outputs are: `where`, a list.
 void tell_of_outputs(const RunPlan& plan, std::span<const EarlierFrames> earlier, std::string_view where);

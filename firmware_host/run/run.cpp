@@ -73,6 +73,7 @@ class Run {
   SharedProgress& progress_;
   const CameraFacts& camera_;
   const RunPace pace_;
+  const std::size_t most_records_;
   const FieldUse use_;
   const PipelineOptions options_;
   WorkerPool pool_;
@@ -108,6 +109,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       progress_(progress),
       camera_(source.camera()),
       pace_(source.pace()),
+      most_records_(frames_kept(plan, pace_)),
       use_(field_use_of(plan, pace_)),
       options_(options_of(plan.settings, use_)),
       pool_(thread_count(plan.settings.fit),
@@ -188,7 +190,7 @@ Result<void> Run::take_frames() {
 
 // Output: each HDR frame goes to the outputs and its record is kept; what the fit learned goes to the source.
 Result<void> Run::deliver(HdrFrame& hdr, const FrameEstimate& estimate, const FrameRecord& made) {
-  FrameRecord& kept = keep(made, pace_, record_);
+  FrameRecord& kept = keep(made, most_records_, record_);
   if (governor_) kept.rung = governor_->rung();
   source_.emitted(kept);
   const TraceSpan span(plan_.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
@@ -269,7 +271,7 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   add_findings(pipeline_, record_);
   if (choice_) record_.notes.push_back(choice_->summary());
   if (film_) add_findings(*film_, record_);
-  close_record(pace_, wall.lap_ms() / 1e3, record_);
+  close_record(most_records_, wall.lap_ms() / 1e3, record_);
   const Result<void> ended = source_.finish(record_);
   // depth and motion take their time: the camera and its recording have ended
   if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;

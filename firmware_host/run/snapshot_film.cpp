@@ -44,7 +44,7 @@ class SnapshotFilm {
     if (!note.empty()) record_.notes.push_back(note);
     add_findings(film_, record_);
     record_.response = curves_of(*scene_.response);
-    close_record(RunPace::Clip, wall.lap_ms() / 1e3, record_);
+    close_record(frames_kept(plan_, RunPace::Clip), wall.lap_ms() / 1e3, record_);
     record_.sinks = sinks_.times();
     if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
     where = sinks_.whole_outputs(storage_);
@@ -66,7 +66,7 @@ class SnapshotFilm {
 
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
     ++record_.captured;
-    FrameRecord& kept = keep(made, RunPace::Clip, record_);
+    FrameRecord& kept = keep(made, frames_kept(plan_, RunPace::Clip), record_);
     TRY(sinks_.emit({hdr, input, made}));
     kept.total_ms = between_shows_.lap_ms();
     if (progress_) progress_->frame_done(kept.total_ms, std::nullopt);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "firmware_host/run/record_keeping.h"
 #include "tests/contracts/expect.h"
 #include "tests/support/moving_scene.h"
 
@@ -228,6 +229,30 @@ TEST_CASE("a source that ends early is the reason, and what came before is emitt
 TEST_CASE("a clip of one frame is too short, whatever the sinks") {
   MemorySource source(1, {});
   require_error(run(plan(), source, posix_storage()), ErrorCode::TooShort);
+}
+
+TEST_CASE("a clip of any length has as many records of frames as a camera, unless something reads them") {
+  RunPlan only_frames = plan();
+  CHECK(frames_kept(only_frames, RunPace::Clip) == kFramesKept);
+  RunRecord record;
+  FrameRecord frame;
+  for (; frame.sequence < 5000; ++frame.sequence)
+    keep(frame, frames_kept(only_frames, RunPace::Clip), record);
+  close_record(frames_kept(only_frames, RunPace::Clip), 1, record);
+  CHECK(record.emitted == 5000);
+  REQUIRE(record.frames.size() == kFramesKept);
+  CHECK(record.frames.front().sequence == 5000 - kFramesKept);
+  CHECK(record.frames.back().sequence == 4999);
+
+  for (const char* reader : {"stats", "report"}) {
+    RunPlan read = plan();
+    read.settings.output.paths[reader] = "there";
+    CHECK(frames_kept(read, RunPace::Clip) > 1'000'000'000);
+    CHECK(frames_kept(read, RunPace::Camera) == kFramesKept);
+  }
+  RunPlan to_caller = plan();
+  to_caller.record = &record;
+  CHECK(frames_kept(to_caller, RunPace::Clip) > 1'000'000'000);
 }
 
 TEST_CASE("a sink that fails ends the run with its own sentence") {
