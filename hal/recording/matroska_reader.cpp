@@ -103,6 +103,21 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   return container;
 }
 
+// Other programs can put the tracks in another order, and others beside them.
+Error misplaced_tracks(const Container& container, const std::string& path) {
+  const auto count = [&](AVMediaType type) {
+    return std::ranges::count(container.tracks(), type,
+                              [](const AVStream* track) { return track->codecpar->codec_type; });
+  };
+  if (count(AVMEDIA_TYPE_VIDEO) == 0 || count(AVMEDIA_TYPE_SUBTITLE) == 0)
+    return {ErrorCode::Corrupt,
+            fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
+  return {ErrorCode::Corrupt,
+          fmt::format("'{}' has its tracks of pixels and of facts in another order, or others beside them; "
+                      "'ffmpeg -i FILE -map 0:v:0 -map 0:s:0 -c copy other.mkv' puts them right",
+                      path)};
+}
+
 Result<CameraFacts> camera_of(const Container& container, const std::string& path) {
   const AVDictionaryEntry* tag = av_dict_get(container.demuxer->metadata, matroska::kCameraTag, nullptr, 0);
   if (tag == nullptr)
@@ -110,10 +125,10 @@ Result<CameraFacts> camera_of(const Container& container, const std::string& pat
         ErrorCode::NotRecording,
         fmt::format("'{}' is a Matroska file, but not a recording of hdrcam; {}", path, kImportMakesOne)};
   const auto tracks = container.tracks();
-  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO ||
-      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
-    return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
+  const auto is_at = [&](std::size_t i, AVMediaType type) { return tracks[i]->codecpar->codec_type == type; };
+  if (tracks.size() != 2 || !is_at(matroska::kPixelTrack, AVMEDIA_TYPE_VIDEO) ||
+      !is_at(matroska::kFactsTrack, AVMEDIA_TYPE_SUBTITLE))
+    return misplaced_tracks(container, path);
   if (!seal_holds(tag->value, unsealed_head(*tracks[matroska::kPixelTrack]->codecpar)))
     return Error{ErrorCode::Corrupt,
                  fmt::format("'{}' is damaged: the checksum of its camera facts does not hold", path)};

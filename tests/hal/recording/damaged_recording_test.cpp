@@ -451,6 +451,30 @@ TEST_CASE("a lens that cannot be is refused when the recording is opened") {
   CHECK(replayed.error->message.find("'fx' is 1e+40") != std::string::npos);
 }
 
+TEST_CASE("a recording whose tracks another program put in another order lacks none, and the error says so") {
+  const Sample made = small_recording("tracks");
+  std::string bytes = read_whole(posix_storage(), made.path).value();
+  const std::string entry("\xae\x01\0\0\0\0\0\0", 8);  // of a track, with a size below 256
+  const auto end_of = [&](std::size_t at) { return at + 9 + static_cast<std::uint8_t>(bytes[at + 8]); };
+  const std::size_t pixels = bytes.find(entry), facts = end_of(pixels);
+  REQUIRE(bytes.compare(facts, entry.size(), entry) == 0);
+  std::string swapped = bytes;
+  swapped.replace(pixels, end_of(facts) - pixels,
+                  bytes.substr(facts, end_of(facts) - facts) + bytes.substr(pixels, facts - pixels));
+  write_file(made.path, swapped);
+  const auto replayed = sample::replay(posix_storage(), made.path);
+  REQUIRE(replayed.ended_with(ErrorCode::Corrupt));
+  CHECK(replayed.error->message.find("in another order") != std::string::npos);
+  CHECK(replayed.error->message.find("-map 0:v:0 -map 0:s:0 -c copy") != std::string::npos);
+
+  const std::size_t type = bytes.rfind('\x11', end_of(facts));
+  REQUIRE(bytes.compare(type - 2, 2, "\x83\x81") == 0);
+  bytes[type] = '\x02';  // sound
+  write_file(made.path, bytes);
+  CHECK(sample::replay(posix_storage(), made.path).error->message.find("lacks its track") !=
+        std::string::npos);
+}
+
 TEST_CASE("a disk that refuses to sync or to read is reported") {
   const Sample made = small_recording("sync");
   {
