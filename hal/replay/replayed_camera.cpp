@@ -43,6 +43,13 @@ TimestampMark mark_of(const std::vector<FrameFacts>& frames) {
              : TimestampMark::ExposureBegin;
 }
 
+// A camera has no frames to skip.
+Error with_way_out(Error error) {
+  if (error.code == ErrorCode::Corrupt)
+    error.message += "; 'hdrcam repair' makes a recording of the other frames";
+  return error;
+}
+
 // What a camera's capabilities state and a recording states with its frames, of the first ones.
 Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader) {
   constexpr std::size_t kFrames = 24;
@@ -50,9 +57,9 @@ Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader) {
   while (frames.size() < kFrames) {
     auto facts = reader.next_facts();
     if (!facts && facts.error().code == ErrorCode::Truncated && !frames.empty()) break;
-    const std::optional<FrameFacts> frame = TRY(std::move(facts));
-    if (!frame) break;
-    frames.push_back(*frame);
+    if (!facts) return with_way_out(facts.error());
+    if (!facts.value()) break;
+    frames.push_back(**facts);
   }
   return frames;
 }
@@ -172,7 +179,9 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
   Result<void> read_ahead() {
     if (next_) return {};
-    next_ = TRY(reader_->next(std::move(room_)));
+    auto next = reader_->next(std::move(room_));
+    if (!next) return with_way_out(next.error());
+    next_ = std::move(next).value();
     if (!next_)
       return Error{ErrorCode::Unplugged,
                    fmt::format("the recording '{}' ended after {}", path_, counted(delivered_, "frame"))};

@@ -9,6 +9,7 @@
 #include "tests/contracts/camera_contract.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/files.h"
 
 using namespace hdrcam;
 using std::chrono::milliseconds;
@@ -204,6 +205,36 @@ TEST_CASE("frames of unknown exposure are replayed without one, and are in no cy
     const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(2)));
     CHECK(buffer.exposure.has_value() == (i < 6));
     if (i >= 6) CHECK(buffer.timestamp == frames[i].facts.timestamp);
+  }
+}
+
+TEST_CASE("a damaged recording plays the camera up to the damage, and the error says how to leave it out") {
+  const std::string path = write_recording("replay_damaged", PixelLayout::Rgb, 8);
+  const std::string bytes = read_whole(posix_storage(), path).value();
+  for (const int damaged : {3, 60}) {  // among those that open_replayed_camera() looks at, and behind them
+    CAPTURE(damaged);
+    std::string flipped = bytes;
+    flipped[flipped.find(fmt::format("{{\"index\":{},", damaged)) - 30] ^= 1;
+    test::write_file(path, flipped);
+    auto camera = open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock());
+    Result<void> ended;
+    if (camera) {
+      value_of(camera.value()->configure(camera.value()->capabilities().modes.front(), 2));
+      require_done(camera.value()->start());
+      int played = 0;
+      for (; ended; ++played) {
+        require_done(camera.value()->queue({0, milliseconds(1), 1}));
+        if (const auto buffer = camera.value()->wait(std::chrono::seconds(2)); !buffer)
+          ended = buffer.error();
+      }
+      CHECK(played == damaged + 1);
+    } else {
+      ended = camera.error();
+    }
+    CHECK(camera.ok() == (damaged == 60));
+    require_error(ended, ErrorCode::Corrupt);
+    CHECK(ended.error().message.find("'hdrcam repair' makes a recording of the other frames") !=
+          std::string::npos);
   }
 }
 
