@@ -100,7 +100,6 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   RecordingSummary summary;
   summary.camera = reader->camera();
   summary.codec = reader->codec();
-  summary.behind = told_of_behind(*reader);
   const auto file = TRY(storage.open(path));
   summary.bytes = TRY(file->size());
   std::vector<FrameFacts> frames;
@@ -112,6 +111,7 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
     count(summary, frames.back(), frames.size() > 1 ? &frames[frames.size() - 2] : nullptr);
   }
   summary.left_out = reader->left_out();
+  summary.behind = told_of_behind(*reader);
   summary.cycle = find_exposure_cycle(frames);
   if (!frames.empty())
     summary.duration =

@@ -63,9 +63,9 @@ Result<ClusterScan::Place> ClusterScan::find_identifier() {
         part.begin() + static_cast<std::ptrdiff_t>(at < kOwnHead ? std::min(kOwnHead, known) : 0);
     const auto place = [&](auto there) { return at + static_cast<std::uint64_t>(there - part.begin()); };
     const auto other = std::search(std::min(first, found), found, kDocType.begin(), kDocType.end());
-    if (other != found) return Place{place(other)};  // another recording begins
-    if (found != end) return Place{place(found), true};
-    if (known < part.size()) return Place{place(end)};
+    if (other != found) return Place{place(other), Mark::OtherFile};
+    if (found != end) return Place{place(found), Mark::Cluster};
+    if (known < part.size()) return Place{place(end), Mark::End};
   }
 }
 
@@ -115,7 +115,7 @@ Result<std::optional<FoundCluster>> ClusterScan::next() {
   if (auto found = TRY(more_of_cluster(end))) return found;
   for (;;) {
     const Place identifier = TRY(find_identifier());
-    if (!identifier.is_cluster) return std::optional<FoundCluster>();
+    if (identifier.mark != Mark::Cluster) return std::optional<FoundCluster>();
     at_ = identifier.at + kCluster.size();
     // Behind the cluster's own size, in one to eight bytes; what it says is not needed.
     std::array<std::byte, 1> first{};
@@ -125,6 +125,19 @@ Result<std::optional<FoundCluster>> ClusterScan::next() {
     if (length > 8) continue;
     if (auto found = TRY(blocks_from(at_ + length, end))) return found;
   }
+}
+
+Result<std::optional<std::uint64_t>> ClusterScan::other_file() {
+  Place place = TRY(find_identifier());
+  for (; place.mark == Mark::Cluster; place = TRY(find_identifier())) at_ = place.at + kCluster.size();
+  if (place.mark == Mark::End) return std::optional<std::uint64_t>();
+  std::array<std::byte, kOwnHead> head{};  // of that file, before its type
+  const std::size_t known = std::min(place.at, kOwnHead);
+  const auto before = std::span(head).first(known);
+  TRY(file_.read_at(place.at - known, before));
+  const auto begin = std::ranges::find_end(before, matroska::kFileHead).begin();
+  if (begin == before.end()) return std::optional<std::uint64_t>();
+  return std::optional(place.at - static_cast<std::uint64_t>(before.end() - begin));
 }
 
 }  // namespace hdrcam

@@ -33,16 +33,19 @@ class ClusterScan {
   Result<std::optional<FoundCluster>> next();
   // The one found last is what it seems: the search goes on behind it.
   void accept() { at_ = behind_; }
+  // Where another Matroska file begins that was put behind this one; nullopt for none. Errors: as above.
+  Result<std::optional<std::uint64_t>> other_file();
 
  private:
   struct Element {
     std::uint64_t id = 0, size = 0;
     std::uint64_t content = 0;  // where it begins
   };
-  // An identifier, or where there is none any more.
+  // What stands there: OtherFile: the type of a document that is not this file's.
+  enum class Mark { Cluster, OtherFile, End };
   struct Place {
     std::uint64_t at = 0;
-    bool is_cluster = false;
+    Mark mark = Mark::End;
   };
   Result<Place> find_identifier();
   Result<std::optional<Element>> element_at(std::uint64_t at, std::uint64_t end);

@@ -1,8 +1,13 @@
 // Constants shared by the writer and the reader of a recording (docs/recording.md).
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 namespace hdrcam::matroska {
 
+// The first bytes of every Matroska file: the identifier of an EBML header.
+constexpr std::array kFileHead{std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf}, std::byte{0xa3}};
 constexpr const char* kCameraTag = "HDRCAM_CAMERA";
 constexpr int kPixelTrack = 0, kFactsTrack = 1;  // stream indices
 

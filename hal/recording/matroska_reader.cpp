@@ -33,9 +33,6 @@ struct Container {
   std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
 };
 
-constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf},
-                                                 std::byte{0xa3}};
-
 // Where the recording ends if finish() completed, else nullopt: the Segment, the second element of a Matroska
 // file, then has a size, and the file is that long. Element: identifier, size (first byte: its length in
 // leading zeros), content.
@@ -63,8 +60,8 @@ Result<std::optional<std::uint64_t>> end_of_whole(StorageFile& file) {
 
 // The bytes of another Matroska file that begins there; 0 for none.
 Result<std::uint64_t> bytes_behind(StorageFile& file, std::uint64_t end) {
-  std::array<std::byte, kEbmlMagic.size()> head{};
-  const bool another = TRY(file.read_at(end, head)) == head.size() && head == kEbmlMagic;
+  std::array<std::byte, matroska::kFileHead.size()> head{};
+  const bool another = TRY(file.read_at(end, head)) == head.size() && head == matroska::kFileHead;
   return another ? TRY(file.size()) - end : 0;
 }
 
@@ -79,7 +76,8 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
   std::array<std::byte, 4> head{};
   const std::size_t known = TRY(container.stream->file().read_at(0, head));
-  if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known), kEbmlMagic.begin()))
+  if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known),
+                  matroska::kFileHead.begin()))
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is not a recording: it is no Matroska file; {}", path, kImportMakesOne)};
 
@@ -196,7 +194,8 @@ class MatroskaReader : public RecordingReader {
   Advance search();
   Advance prove_found(const FoundCluster& found);
   Error corrupt(const std::string& what) const;
-  Error ended() const;
+  Error ended();
+  void look_behind();
   void leave_out(std::uint64_t first, std::uint64_t end, const std::string& reason);
 
   std::string path_;
@@ -240,10 +239,19 @@ Error MatroskaReader::corrupt(const std::string& what) const {
 }
 
 // No packet is left, and there was no end record.
-Error MatroskaReader::ended() const {
+Error MatroskaReader::ended() {
   if (container_.whole) return corrupt("the rest of the file cannot be read");
+  look_behind();
   return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s), or is still being written",
                                             path_, frames_ - left_out_.count)};
+}
+
+// Nothing says where a recording ends that was cut: what was put behind it is searched for.
+void MatroskaReader::look_behind() {
+  StorageFile& file = container_.stream->file();
+  const auto other = ClusterScan(file, facts_end_, 0).other_file();
+  const auto size = file.size();
+  if (other && other.value() && size) container_.behind = size.value() - *other.value();
 }
 
 // The frames of the places first .. end-1 are not to be had.
@@ -336,6 +344,7 @@ MatroskaReader::Advance MatroskaReader::search() {
   }
   left_out_.end_is_missing = !count_;
   if (!container_.whole) return ended();
+  if (!count_) look_behind();
   leave_out(frames_, static_cast<std::uint64_t>(std::max(0, count_.value_or(0))), left_out_.reason);
   return std::optional<FrameFacts>();
 }

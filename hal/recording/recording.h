@@ -65,7 +65,8 @@ class RecordingReader {
   virtual Result<std::optional<FrameFacts>> next_facts();
   // With Damage::IsSkipped, of the frames so far.
   virtual const LeftOut& left_out() const;
-  // Of another recording that was put behind a complete one, in the same file. It is not read.
+  // Of another recording that was put behind this one, in the same file; behind one that was cut it is only
+  // known at the end. It is not read.
   virtual std::uint64_t bytes_behind() const { return 0; }
 };
 

@@ -399,6 +399,38 @@ TEST_CASE("frames of another recording that was put behind a cut one are none of
   const LeftOut& left_out = reader.value()->left_out();
   CHECK(left_out.count == 0);  // the end record of the other one does not count them
   CHECK(left_out.sentence().find("frames may be lost at the end") != std::string::npos);
+  CHECK(reader.value()->bytes_behind() == other.bytes);
+}
+
+TEST_CASE(
+    "behind a recording that was never completed another one is told of, too, once its end is reached") {
+  const Sample made = small_recording("unfinished"), other = small_recording("unfinished_other");
+  const std::string path = made.path + ".steps";
+  std::string begun;
+  {
+    auto writer = create_recording(posix_storage(), path, made.camera).value();
+    REQUIRE(writer->append(made.frames[0]).ok());
+    REQUIRE(writer->append(made.frames[1]).ok());
+    begun = read_whole(posix_storage(), path).value();
+  }
+  const auto frames_in = [](RecordingReader& reader) {
+    int frames = 0;
+    for (auto facts = reader.next_facts(); facts && facts.value(); facts = reader.next_facts()) ++frames;
+    return frames;
+  };
+  const bool cut = GENERATE(false, true);  // in the middle of frame 1
+  CAPTURE(cut);
+  if (cut) begun.resize(begun.size() - 60);
+  for (const Damage damage : {Damage::Ends, Damage::IsSkipped}) {
+    write_file(path, begun);
+    const auto alone = open_recording(posix_storage(), path, damage).value();
+    CHECK(frames_in(*alone) == (cut ? 1 : 2));
+    CHECK(alone->bytes_behind() == 0);
+    write_file(path, begun + read_whole(posix_storage(), other.path).value());
+    const auto reader = open_recording(posix_storage(), path, damage).value();
+    CHECK(frames_in(*reader) == (cut ? 1 : 2));
+    if (damage == Damage::IsSkipped) CHECK(reader->bytes_behind() == other.bytes);
+  }
 }
 
 TEST_CASE("another recording behind a complete one is told of, and none of its frames is read") {
