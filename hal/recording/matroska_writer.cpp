@@ -151,9 +151,10 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   AVPacket* picture = TRY(encoder_.encode(frame.codes));
   const Instant now = frame.facts.timestamp;
   if (frames_ == 0) first_ = synced_ = now;
-  // A player needs time that does not run backward; the true time is in the facts.
+  // A player needs time that runs forward, and a program that copies the tracks orders pictures and facts by
+  // it: of two frames in a millisecond the second is one later. The true time is in the facts.
   const auto since_first = std::chrono::duration_cast<std::chrono::milliseconds>(now - first_).count();
-  if (frames_ > 0) pts_ms_ = std::max(pts_ms_, std::int64_t{since_first});
+  if (frames_ > 0) pts_ms_ = std::max(pts_ms_ + 1, std::int64_t{since_first});
   const std::string facts =
       seal(to_json(frames_, frame.facts, bits_), {picture->data, static_cast<std::size_t>(picture->size)});
 

@@ -113,6 +113,24 @@ TEST_CASE("the same frames give the same bytes") {
     }
 }
 
+TEST_CASE("frames within a millisecond have time stamps of their own, by which other programs order them") {
+  const std::string path = sample::scratch_folder("within") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
+  auto frames = sample::frames(camera, 6, 5);
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    frames[i].facts.timestamp = frames[0].facts.timestamp +
+                                (i < 5 ? std::chrono::microseconds(20 * i) : std::chrono::milliseconds(9));
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  std::vector<int> times_ms;  // of the clusters: behind identifier, size (two bytes) and checksum
+  const std::string bytes = test::text_of(path);
+  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
+    if (bytes.compare(at + 12, 2, "\xe7\x81") == 0)
+      times_ms.push_back(static_cast<std::uint8_t>(bytes[at + 14]));
+  REQUIRE(times_ms.size() >= frames.size());
+  times_ms.resize(frames.size());
+  CHECK(times_ms == std::vector<int>{0, 1, 2, 3, 4, 9});
+}
+
 TEST_CASE("facts that are odd come back as they were") {
   const std::string path = sample::scratch_folder("odd") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
