@@ -69,62 +69,66 @@ Result<ClusterScan::Place> ClusterScan::find_identifier() {
   }
 }
 
-// Whether the block is one of our two tracks and of a picture before its facts.
+// Whether the block is one of our two tracks. A picture whose facts are missing gives way to the next one.
 Result<bool> ClusterScan::take_block(const Element& block, FoundCluster& found) {
   if (block.size < kBlockHead || block.size > most_bytes_) return false;
   std::vector<std::byte> bytes(block.size);
   if (TRY(file_.read_at(block.content, bytes)) != bytes.size()) return false;
+  behind_ = block.content + block.size;                      // not of its group, whose size may be damaged
   const auto track = std::to_integer<int>(bytes[0]) - 0x81;  // numbered from 1; 0x80 marks the length
   const auto content = std::span(bytes).subspan(kBlockHead);
   const auto* begin = reinterpret_cast<const std::uint8_t*>(content.data());
-  if (track == matroska::kPixelTrack && found.picture.empty())
-    return found.picture.assign(begin, begin + content.size()), true;
+  if (track == matroska::kPixelTrack) return found.picture.assign(begin, begin + content.size()), true;
   if (track == matroska::kFactsTrack) return found.facts.assign(begin, begin + content.size()), true;
   return false;
 }
 
-Result<std::optional<FoundCluster>> ClusterScan::blocks_from(std::uint64_t at, std::uint64_t end) {
-  FoundCluster found;
-  while (found.facts.empty()) {
-    std::optional<Element> element = TRY(element_at(at, end));
-    if (!element) return std::optional<FoundCluster>();
-    at = element->content + element->size;
-    if (std::ranges::find(kBesideBlocks, element->id) != std::end(kBesideBlocks)) continue;
-    if (element->id == kBlockGroup) {
-      element = TRY(element_at(element->content, at));
-      if (!element || element->id != kBlock) return std::optional<FoundCluster>();
-    } else if (element->id != kSimpleBlock) {
-      return std::optional<FoundCluster>();
-    }
-    if (!TRY(take_block(*element, found))) return std::optional<FoundCluster>();
-    behind_ = element->content + element->size;  // of the block: the size of its group may be damaged
-  }
-  return std::optional(std::move(found));
+// Whether a cluster begins there. Its own size, in one to eight bytes, is not needed.
+Result<bool> ClusterScan::enter_cluster() {
+  std::array<std::byte, kCluster.size() + 1> head{};
+  if (TRY(file_.read_at(behind_, head)) != head.size()) return false;
+  if (!std::equal(kCluster.begin(), kCluster.end(), head.begin())) return false;
+  at_ = behind_ + kCluster.size();
+  const auto length =
+      static_cast<std::uint64_t>(std::countl_zero(std::to_integer<std::uint8_t>(head.back()))) + 1;
+  if (length > 8) return false;
+  behind_ = at_ + length;
+  return true;
 }
 
-// Of the same cluster as the frame found last. Only what ends before the next identifier is: a size may be
-// damaged, and lead over other frames.
-Result<std::optional<FoundCluster>> ClusterScan::more_of_cluster(std::uint64_t end) {
-  auto found = TRY(blocks_from(behind_, end));
-  if (!found) return found;
-  return behind_ <= TRY(find_identifier()).at ? std::move(found) : std::nullopt;
+// Whether what stands there can be part of a frame.
+Result<bool> ClusterScan::step(std::uint64_t end, FoundCluster& found) {
+  if (TRY(enter_cluster())) return true;
+  std::optional<Element> element = TRY(element_at(behind_, end));
+  if (!element) return false;
+  if (std::ranges::find(kBesideBlocks, element->id) != std::end(kBesideBlocks))
+    return behind_ = element->content + element->size, true;
+  if (element->id == kBlockGroup) {
+    element = TRY(element_at(element->content, element->content + element->size));
+    if (!element || element->id != kBlock) return false;
+  } else if (element->id != kSimpleBlock) {
+    return false;
+  }
+  return take_block(*element, found);
 }
 
 Result<std::optional<FoundCluster>> ClusterScan::next() {
   const std::uint64_t end = TRY(file_.size());
-  if (auto found = TRY(more_of_cluster(end))) return found;
-  for (;;) {
-    const Place identifier = TRY(find_identifier());
-    if (identifier.mark != Mark::Cluster) return std::optional<FoundCluster>();
-    at_ = identifier.at + kCluster.size();
-    // Behind the cluster's own size, in one to eight bytes; what it says is not needed.
-    std::array<std::byte, 1> first{};
-    if (TRY(file_.read_at(at_, first)) == 0) return std::optional<FoundCluster>();
-    const auto length =
-        static_cast<std::uint64_t>(std::countl_zero(std::to_integer<std::uint8_t>(first[0]))) + 1;
-    if (length > 8) continue;
-    if (auto found = TRY(blocks_from(at_ + length, end))) return found;
+  if (behind_ > at_) {  // not accepted
+    const Place following = TRY(find_identifier());
+    behind_ = std::min(behind_, following.at);
   }
+  for (FoundCluster found; found.facts.empty();) {
+    if (TRY(step(end, found))) {
+      if (!found.facts.empty()) return std::optional(std::move(found));
+      continue;
+    }
+    const Place identifier = TRY(find_identifier());
+    if (identifier.mark != Mark::Cluster) break;
+    behind_ = identifier.at;
+    found = {};
+  }
+  return std::optional<FoundCluster>();
 }
 
 Result<std::optional<std::uint64_t>> ClusterScan::other_file() {

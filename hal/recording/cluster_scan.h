@@ -22,14 +22,15 @@ struct FoundCluster {
 class ClusterScan {
  public:
   // from: the byte of the file where the search begins; most_bytes: of a block, more is damage; behind: the
-  // frame read last, in its cluster, 0 for none. The file outlives the scan.
+  // frame read last, 0 for none. The file outlives the scan.
   ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes, std::uint64_t behind = 0)
       : file_(file), most_bytes_(most_bytes), at_(from), behind_(behind) {}
 
-  // The next frame: of the same cluster, which other programs make of many frames, or of the next one that
-  // holds facts; nullopt at the end of the file, or where another one was put behind it: nothing ties its
-  // frames to these. The search for clusters goes on right behind an identifier, as it may be none, unless
-  // its frame was accepted. Errors: those of the storage.
+  // The next frame: a picture and the facts behind it, in one cluster, or, as other programs write them,
+  // among others or on both sides of a cluster's head. nullopt at the end of the file, or where another one
+  // was put behind it: nothing ties its frames to these. What follows a frame that was not accepted counts up
+  // to the next identifier only, and where nothing can be read, the search goes on there: sizes may be
+  // damaged, and lead over other frames. Errors: those of the storage.
   Result<std::optional<FoundCluster>> next();
   // The one found last is what it seems: the search goes on behind it.
   void accept() { at_ = behind_; }
@@ -49,13 +50,14 @@ class ClusterScan {
   };
   Result<Place> find_identifier();
   Result<std::optional<Element>> element_at(std::uint64_t at, std::uint64_t end);
-  Result<std::optional<FoundCluster>> blocks_from(std::uint64_t at, std::uint64_t end);
-  Result<std::optional<FoundCluster>> more_of_cluster(std::uint64_t end);
+  Result<bool> enter_cluster();
+  Result<bool> step(std::uint64_t end, FoundCluster& found);
   Result<bool> take_block(const Element& block, FoundCluster& found);
 
   StorageFile& file_;
   const std::uint64_t most_bytes_;
-  std::uint64_t at_, behind_;  // behind_: the last frame found
+  std::uint64_t at_;      // where the search for an identifier goes on
+  std::uint64_t behind_;  // what was read last
 };
 
 }  // namespace hdrcam

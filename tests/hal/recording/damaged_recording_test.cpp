@@ -252,43 +252,83 @@ TEST_CASE("behind a flipped bit all other frames are read, and the damaged one i
   CHECK(salvaged > 1000);
 }
 
-// As other programs write a recording again: all frames in the first cluster. What follows stays in its
-// place.
-std::string in_one_cluster(const std::string& bytes) {
-  const std::string identifier = "\x1f\x43\xb6\x75";
-  const std::size_t begin = bytes.find(identifier);
-  std::string blocks;
-  std::size_t behind = begin;
-  for (std::size_t at = begin; at != std::string::npos; at = bytes.find(identifier, behind)) {
-    const auto size = static_cast<std::uint8_t>(bytes[at + 4]);
-    const std::size_t content = at + (size >= 0x80 ? 5 : 6);
-    behind = content +
-             (size >= 0x80 ? size & 0x7fu : (size & 0x3fu) << 8 | static_cast<std::uint8_t>(bytes[at + 5]));
-    const std::size_t time = content + 6;  // behind the cluster's checksum
-    REQUIRE(bytes[time] == '\xe7');
-    const std::size_t first = time + 2 + (static_cast<std::uint8_t>(bytes[time + 1]) & 0x7fu);
-    blocks += bytes.substr(first, behind - first);
+// The bytes of a cluster: its head with checksum and time, the block of the picture, which the end record
+// lacks, and the group of the facts.
+struct ClusterBytes {
+  std::string head, picture, facts;
+};
+
+// The clusters that begin at this byte, and where they end.
+std::pair<std::vector<ClusterBytes>, std::size_t> clusters_from(const std::string& bytes, std::size_t begin) {
+  const auto byte = [&](std::size_t at) { return std::size_t{static_cast<std::uint8_t>(bytes[at])}; };
+  // Behind an element with an identifier of one byte, or where its content begins; sizes of up to two bytes.
+  const auto content = [&](std::size_t at) { return at + (byte(at + 1) >= 0x80 ? 2 : 3); };
+  const auto behind = [&](std::size_t at) {
+    return content(at) +
+           (byte(at + 1) >= 0x80 ? byte(at + 1) & 0x7f : (byte(at + 1) & 0x3f) << 8 | byte(at + 2));
+  };
+  std::vector<ClusterBytes> clusters;
+  std::size_t at = begin;
+  while (bytes.compare(at, 4, "\x1f\x43\xb6\x75") == 0) {
+    const std::size_t end = behind(at + 3), first = behind(behind(content(at + 3)));
+    const std::size_t facts = bytes[first] == '\xa3' ? behind(first) : first;
+    clusters.push_back(
+        {bytes.substr(at, first - at), bytes.substr(first, facts - first), bytes.substr(facts, end - facts)});
+    at = end;
   }
-  std::string joined = bytes.substr(0, begin) + identifier + '\x01';
+  return {std::move(clusters), at};
+}
+
+// All frames in one cluster. What follows stays in its place.
+std::string in_one_cluster(const std::vector<ClusterBytes>& clusters, std::size_t length) {
+  std::string blocks("\xe7\x81\0", 3);
+  for (const ClusterBytes& cluster : clusters) blocks += cluster.picture + cluster.facts;
+  std::string joined("\x1f\x43\xb6\x75\x01");
   for (int shift = 48; shift >= 0; shift -= 8)
-    joined += static_cast<char>((std::uint64_t{blocks.size() + 3} >> shift) & 0xffu);
-  joined += std::string("\xe7\x81\0", 3) + blocks;
-  const std::size_t left = behind - joined.size();
+    joined += static_cast<char>((std::uint64_t{blocks.size()} >> shift) & 0xffu);
+  joined += blocks;
+  const std::size_t left = length - joined.size();
   REQUIRE((left >= 2 && left < 0x7f));
   joined += '\xec';  // Void
   joined += static_cast<char>(0x80 | (left - 2));
-  return joined + std::string(left - 2, '\0') + bytes.substr(behind);
+  return joined + std::string(left - 2, '\0');
 }
 
-TEST_CASE("damage in a cluster of many frames costs no other frame") {
-  const Sample made = small_recording("one_cluster");
-  const std::string joined = in_one_cluster(read_whole(posix_storage(), made.path).value());
-  write_file(made.path, joined);
+// The facts of each picture behind the head of the next cluster; all clusters of unknown size.
+std::string with_facts_in_next_cluster(const std::vector<ClusterBytes>& clusters) {
+  std::string straddled, facts;
+  for (const ClusterBytes& cluster : clusters) {
+    std::string head = cluster.head;
+    if (static_cast<std::uint8_t>(head[4]) >= 0x80)
+      head[4] = '\xff';
+    else
+      head.replace(4, 2, "\x7f\xff");
+    straddled += head + facts + cluster.picture;
+    facts = cluster.facts;
+  }
+  return straddled + facts;
+}
+
+TEST_CASE("damage costs no other frame, however another program put the frames into clusters") {
+  const Sample made = small_recording("clusters");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  const std::size_t begin = bytes.find("\x1f\x43\xb6\x75");
+  const auto [clusters, end] = clusters_from(bytes, begin);
+  REQUIRE(clusters.size() == made.frames.size() + 1);
+  const bool in_one = GENERATE(false, true);
+  CAPTURE(in_one);
+  const std::string laid_out =
+      bytes.substr(0, begin) +
+      (in_one ? in_one_cluster(clusters, end - begin) : with_facts_in_next_cluster(clusters)) +
+      bytes.substr(end);
+  REQUIRE(laid_out.size() == bytes.size());
+  write_file(made.path, laid_out);
   REQUIRE(sample::replay(posix_storage(), made.path).frames.size() == made.frames.size());
   const std::size_t damaged = GENERATE(range(std::size_t{0}, std::size_t{4}));
   CAPTURE(damaged);
-  std::string flipped = joined;
-  flipped[flipped.find(fmt::format("{{\"index\":{}", damaged)) - 30] ^= 1;
+  std::string flipped = laid_out;
+  const std::string& picture = clusters[damaged].picture;
+  flipped[flipped.find(picture) + picture.size() / 2] ^= 1;
   write_file(made.path, flipped);
   const auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped).value();
   std::vector<RawFrame> read;
