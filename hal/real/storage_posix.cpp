@@ -48,9 +48,15 @@ Error error_of(int code, const std::string& what, const std::string& path) {
               code};
     case ENOSPC:
     case EDQUOT:
-    case EFBIG:
       return {ErrorCode::NoSpace,
               fmt::format("no space left to {} '{}': {}; free some and run again", what, path, reason), code};
+    case EFBIG:
+      return {
+          ErrorCode::NoSpace,
+          fmt::format("'{}' is as large as a file can be here (FAT: 4 GB); write several shorter ones, or to "
+                      "another file system",
+                      path),
+          code};
     default:
       return {ErrorCode::Io, fmt::format("cannot {} '{}': {}", what, path, reason), code};
   }

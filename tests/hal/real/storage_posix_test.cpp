@@ -1,12 +1,14 @@
 // What only a real file system has: links, FIFOs, devices, permissions.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <string_view>
 #include <thread>
@@ -61,6 +63,25 @@ TEST_CASE("a new file is never made through a symbolic link that somebody prepar
   fs::create_symlink("victim", folder / "trap");
   CHECK(posix_storage().create(folder / "trap", Creation::New).error().code == ErrorCode::Exists);
   CHECK(test::text_of(folder / "victim") == "precious");
+}
+
+TEST_CASE("a file that may not grow any more is told from a full disk") {
+  const ScratchFolder folder;
+  const auto file = value_of(posix_storage().create(folder / "large", Creation::New));
+  rlimit usual{};
+  REQUIRE(getrlimit(RLIMIT_FSIZE, &usual) == 0);
+  rlimit small = usual;
+  small.rlim_cur = 4096;
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+  const Result<void> beyond = file->write_at(4096, bytes_of("x"));
+  const bool restored = setrlimit(RLIMIT_FSIZE, &usual) == 0;
+  std::signal(SIGXFSZ, before);
+  REQUIRE(restored);
+  require_error(beyond, ErrorCode::NoSpace);
+  CHECK(beyond.error().sys_errno == EFBIG);
+  CHECK(beyond.error().message.find("as large as a file can be") != std::string::npos);
+  CHECK(beyond.error().message.find("free some") == std::string::npos);
 }
 
 TEST_CASE("a file that is replaced keeps its permissions") {
