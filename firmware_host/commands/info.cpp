@@ -34,9 +34,10 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
   const std::string damage = left_out.sentence();
   if (damage.empty()) return {};
   // without a lost frame the sentence itself says that the file is damaged
-  return Error{ErrorCode::Corrupt, fmt::format("'{0}' is {1}{2}; 'hdrcam repair {0} -o FILE' writes {3}",
-                                               options.recording, left_out.count > 0 ? "damaged: " : "",
-                                               damage, left_out.count > 0 ? "the others" : "a sound one")};
+  return Error{ErrorCode::Corrupt,
+               fmt::format("'{}' is {}{}; 'hdrcam repair {} -o FILE' writes {}", options.recording,
+                           left_out.count > 0 ? "damaged: " : "", damage, shell_word(options.recording),
+                           left_out.count > 0 ? "the others" : "a sound one")};
 }
 
 }  // namespace
