@@ -252,99 +252,6 @@ TEST_CASE("behind a flipped bit all other frames are read, and the damaged one i
   CHECK(salvaged > 1000);
 }
 
-// The bytes of a cluster: its head with checksum and time, the block of the picture, which the end record
-// lacks, and the group of the facts.
-struct ClusterBytes {
-  std::string head, picture, facts;
-};
-
-// The clusters that begin at this byte, and where they end.
-std::pair<std::vector<ClusterBytes>, std::size_t> clusters_from(const std::string& bytes, std::size_t begin) {
-  const auto byte = [&](std::size_t at) { return std::size_t{static_cast<std::uint8_t>(bytes[at])}; };
-  // Behind an element with an identifier of one byte, or where its content begins; sizes of up to two bytes.
-  const auto content = [&](std::size_t at) { return at + (byte(at + 1) >= 0x80 ? 2 : 3); };
-  const auto behind = [&](std::size_t at) {
-    return content(at) +
-           (byte(at + 1) >= 0x80 ? byte(at + 1) & 0x7f : (byte(at + 1) & 0x3f) << 8 | byte(at + 2));
-  };
-  std::vector<ClusterBytes> clusters;
-  std::size_t at = begin;
-  while (bytes.compare(at, 4, "\x1f\x43\xb6\x75") == 0) {
-    const std::size_t end = behind(at + 3), first = behind(behind(content(at + 3)));
-    const std::size_t facts = bytes[first] == '\xa3' ? behind(first) : first;
-    clusters.push_back(
-        {bytes.substr(at, first - at), bytes.substr(first, facts - first), bytes.substr(facts, end - facts)});
-    at = end;
-  }
-  return {std::move(clusters), at};
-}
-
-// All frames in one cluster. What follows stays in its place.
-std::string in_one_cluster(const std::vector<ClusterBytes>& clusters, std::size_t length) {
-  std::string blocks("\xe7\x81\0", 3);
-  for (const ClusterBytes& cluster : clusters) blocks += cluster.picture + cluster.facts;
-  std::string joined("\x1f\x43\xb6\x75\x01");
-  for (int shift = 48; shift >= 0; shift -= 8)
-    joined += static_cast<char>((std::uint64_t{blocks.size()} >> shift) & 0xffu);
-  joined += blocks;
-  const std::size_t left = length - joined.size();
-  REQUIRE((left >= 2 && left < 0x7f));
-  joined += '\xec';  // Void
-  joined += static_cast<char>(0x80 | (left - 2));
-  return joined + std::string(left - 2, '\0');
-}
-
-// The facts of each picture behind the head of the next cluster; all clusters of unknown size.
-std::string with_facts_in_next_cluster(const std::vector<ClusterBytes>& clusters) {
-  std::string straddled, facts;
-  for (const ClusterBytes& cluster : clusters) {
-    std::string head = cluster.head;
-    if (static_cast<std::uint8_t>(head[4]) >= 0x80)
-      head[4] = '\xff';
-    else
-      head.replace(4, 2, "\x7f\xff");
-    straddled += head + facts + cluster.picture;
-    facts = cluster.facts;
-  }
-  return straddled + facts;
-}
-
-TEST_CASE("damage costs no other frame, however another program put the frames into clusters") {
-  const Sample made = small_recording("clusters");
-  const std::string bytes = read_whole(posix_storage(), made.path).value();
-  const std::size_t begin = bytes.find("\x1f\x43\xb6\x75");
-  const auto [clusters, end] = clusters_from(bytes, begin);
-  REQUIRE(clusters.size() == made.frames.size() + 1);
-  const bool in_one = GENERATE(false, true);
-  CAPTURE(in_one);
-  const std::string laid_out =
-      bytes.substr(0, begin) +
-      (in_one ? in_one_cluster(clusters, end - begin) : with_facts_in_next_cluster(clusters)) +
-      bytes.substr(end);
-  REQUIRE(laid_out.size() == bytes.size());
-  write_file(made.path, laid_out);
-  REQUIRE(sample::replay(posix_storage(), made.path).frames.size() == made.frames.size());
-  const std::size_t damaged = GENERATE(range(std::size_t{0}, std::size_t{4}));
-  CAPTURE(damaged);
-  std::string flipped = laid_out;
-  const std::string& picture = clusters[damaged].picture;
-  flipped[flipped.find(picture) + picture.size() / 2] ^= 1;
-  write_file(made.path, flipped);
-  const auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped).value();
-  std::vector<RawFrame> read;
-  for (;;) {
-    auto frame = reader->next();
-    REQUIRE(frame.ok());
-    if (!frame.value()) break;
-    read.push_back(std::move(**frame));
-  }
-  std::vector<std::size_t> others{0, 1, 2, 3};
-  std::erase(others, damaged);
-  CHECK(places_of(read, made.frames) == others);
-  CHECK(reader->left_out().places == std::vector<std::uint64_t>{damaged});
-  CHECK_FALSE(reader->left_out().end_is_missing);
-}
-
 TEST_CASE("a hole in a recording costs the frames that were in it") {
   const Sample made = small_recording("hole");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
@@ -521,30 +428,6 @@ TEST_CASE("a lens that cannot be is refused when the recording is opened") {
   const auto replayed = sample::replay(posix_storage(), made.path);
   CHECK(replayed.ended_with(ErrorCode::Corrupt));
   CHECK(replayed.error->message.find("'fx' is 1e+40") != std::string::npos);
-}
-
-TEST_CASE("a recording whose tracks another program put in another order lacks none, and the error says so") {
-  const Sample made = small_recording("tracks");
-  std::string bytes = read_whole(posix_storage(), made.path).value();
-  const std::string entry("\xae\x01\0\0\0\0\0\0", 8);  // of a track, with a size below 256
-  const auto end_of = [&](std::size_t at) { return at + 9 + static_cast<std::uint8_t>(bytes[at + 8]); };
-  const std::size_t pixels = bytes.find(entry), facts = end_of(pixels);
-  REQUIRE(bytes.compare(facts, entry.size(), entry) == 0);
-  std::string swapped = bytes;
-  swapped.replace(pixels, end_of(facts) - pixels,
-                  bytes.substr(facts, end_of(facts) - facts) + bytes.substr(pixels, facts - pixels));
-  write_file(made.path, swapped);
-  const auto replayed = sample::replay(posix_storage(), made.path);
-  REQUIRE(replayed.ended_with(ErrorCode::Corrupt));
-  CHECK(replayed.error->message.find("in another order") != std::string::npos);
-  CHECK(replayed.error->message.find("-map 0:v:0 -map 0:s:0 -c copy") != std::string::npos);
-
-  const std::size_t type = bytes.rfind('\x11', end_of(facts));
-  REQUIRE(bytes.compare(type - 2, 2, "\x83\x81") == 0);
-  bytes[type] = '\x02';  // sound
-  write_file(made.path, bytes);
-  CHECK(sample::replay(posix_storage(), made.path).error->message.find("lacks its track") !=
-        std::string::npos);
 }
 
 TEST_CASE("a disk that refuses to sync or to read is reported") {
