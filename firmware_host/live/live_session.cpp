@@ -23,9 +23,7 @@ int most_waiting(const CameraFacts& camera, int pool, int slots) {
   return std::max(two_cycles, std::min(static_cast<int>(std::lround(camera.framerate_hz)), pool / 2));
 }
 
-Error too_late_for_a_cycle() {
-  return {ErrorCode::Interrupted, "the run ends; no further frame is captured"};
-}
+Error no_further_frame() { return {ErrorCode::Interrupted, "the run ends; no further frame is captured"}; }
 
 }  // namespace
 
@@ -75,8 +73,7 @@ void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   {
     const std::lock_guard lock(mutex_);
     counters_.ended = true;
-    if (auto wanted = std::exchange(wanted_cycle_, std::nullopt))
-      wanted->done.set_value(too_late_for_a_cycle());
+    if (auto wanted = std::exchange(wanted_cycle_, std::nullopt)) wanted->done.set_value(no_further_frame());
   }
   inbox_.close();
 }
@@ -245,7 +242,8 @@ Result<void> LiveSession::may_record() const {
   if (recorder_) return Error{ErrorCode::Busy, "a recording is open; stop it first"};
   if (completing_ && !completing_->ended())
     return Error{ErrorCode::Busy, "the last recording is still being completed; try again"};
-  return completing_ ? completing_->outcome() : Result<void>();
+  if (completing_) TRY(completing_->outcome());
+  return counters_.ended ? no_further_frame() : Result<void>();
 }
 
 Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recording) {
@@ -272,7 +270,7 @@ Result<void> LiveSession::change_cycle(std::vector<Exposure> cycle) {
   std::future<Result<void>> done;
   {
     const std::lock_guard lock(mutex_);
-    if (counters_.ended) return too_late_for_a_cycle();
+    if (counters_.ended) return no_further_frame();
     wanted_cycle_.emplace(WantedCycle{std::move(cycle), {}});
     done = wanted_cycle_->done.get_future();
   }

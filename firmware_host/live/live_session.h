@@ -104,7 +104,7 @@ class LiveSession {
 
   // What a person may change while it runs: any thread, one at a time.
   // Errors: Busy while a recording is open or is being completed; that of the last recording, which also ends
-  // the run.
+  // the run; Interrupted where it ends.
   Result<void> may_record() const;
   // Records from the next frame on. Errors: those of may_record().
   Result<void> start_recording(std::unique_ptr<RecordingWriter> recording);

@@ -20,8 +20,8 @@ class RunControl {
   // The file that is being recorded; "" for none.
   virtual std::string recording() const = 0;
 
-  // Records from the next frame on; returns the new file. Errors: Busy while a recording is open, Unsupported
-  // where the user named no place for recordings, and those of the disk.
+  // Records from the next frame on; returns the new file. Errors: Busy while a recording is open, Interrupted
+  // where the run ends, Unsupported where the user named no place for recordings, and those of the disk.
   virtual Result<std::string> start_recording() = 0;
   // Errors: NotFound where nothing is recorded.
   virtual Result<void> stop_recording() = 0;

@@ -146,6 +146,21 @@ TEST_CASE("a recording that is open when the run ends is completed") {
   CHECK(counters.recorded >= 10);
 }
 
+TEST_CASE("no recording is started once no further frame is captured, and no file is made for it") {
+  const std::string folder = sample::scratch_folder("late_take");
+  const std::atomic<bool> stop{false};
+  const auto source =
+      value_of(CameraSource::open(settings_of(folder), {.frames = 12}, posix_storage(), stop));
+  require_done(source->start());
+  REQUIRE(test::becomes_true([&] { return source->session().counters().ended; }));
+  require_error(source->control()->start_recording(), ErrorCode::Interrupted);  // frames wait for the fit
+  CHECK_FALSE(std::filesystem::exists(folder + "/takes"));
+  CHECK(source->takes_account().empty());
+  while (value_of(source->next()) != nullptr) continue;
+  RunRecord record;
+  require_done(source->finish(record));
+}
+
 TEST_CASE("frames of recordings that a person starts are not said to be in that of the run") {
   const std::string folder = sample::scratch_folder("own_and_takes");
   Settings settings = settings_of(folder);
