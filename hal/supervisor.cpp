@@ -31,10 +31,10 @@ Supervisor Supervisor::of_environment() {
   return {std::string(variable("NOTIFY_SOCKET")), patience};
 }
 
-void Supervisor::tell(std::string_view lines) const {
+bool Supervisor::tell(std::string_view lines) const {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (socket_.empty() || socket_.size() >= sizeof(address.sun_path)) return;
+  if (socket_.empty() || socket_.size() >= sizeof(address.sun_path)) return false;
   std::memcpy(address.sun_path, socket_.data(), socket_.size());
   // The abstract namespace has a zero for the '@', and no zero at the end.
   const bool abstract = socket_.front() == '@';
@@ -42,9 +42,9 @@ void Supervisor::tell(std::string_view lines) const {
   const auto length =
       static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_.size() + (abstract ? 0 : 1));
   const Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  if (!socket.is_open()) return;
-  (void)::sendto(socket.get(), lines.data(), lines.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
-                 reinterpret_cast<const sockaddr*>(&address), length);
+  if (!socket.is_open()) return false;
+  return ::sendto(socket.get(), lines.data(), lines.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+                  reinterpret_cast<const sockaddr*>(&address), length) >= 0;
 }
 
 }  // namespace hdrcam

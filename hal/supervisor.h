@@ -22,7 +22,8 @@ class Supervisor {
   // It ends the program that does not say "WATCHDOG=1" for so long; zero: it does not watch.
   Duration patience() const { return patience_; }
   // lines: "READY=1\nSTATUS=..". Never waits; a supervisor that does not listen costs the words, not the run.
-  void tell(std::string_view lines) const;
+  // False where it did not take them: many others wait for it, or it is not there.
+  bool tell(std::string_view lines) const;
 
  private:
   std::string socket_;

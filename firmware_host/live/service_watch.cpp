@@ -43,7 +43,7 @@ void ServiceWatch::stopping() {
 
 // In words of its own: of READY and STOPPING in one message the last one counts.
 void ServiceWatch::tell_stopping() {
-  if (!std::exchange(told_stopping_, true)) supervisor_.tell("STOPPING=1");
+  if (!told_stopping_) told_stopping_ = supervisor_.tell("STOPPING=1");
 }
 
 void ServiceWatch::watch() {
@@ -63,11 +63,12 @@ void ServiceWatch::watch() {
 
 void ServiceWatch::look(bool describe) {
   const LiveCounters now = counters_();
+  const bool ready = ready_ || now.captured() > 0;
   std::string lines;
-  if (!ready_ && now.captured() > 0) lines += "READY=1\n", ready_ = true;
-  if (ready_ && life_.seen(now)) lines += "WATCHDOG=1\n";
+  if (ready && !ready_) lines += "READY=1\n";
+  if (ready && life_.seen(now)) lines += "WATCHDOG=1\n";
   if (describe) lines += fmt::format("STATUS={}\n", describe_(now));
-  if (!lines.empty()) supervisor_.tell(lines);
+  if (!lines.empty() && supervisor_.tell(lines)) ready_ = ready;
   if (now.ended) tell_stopping();
 }
 

@@ -2,7 +2,8 @@
 // there, alive as long as every part of the run that has work makes progress, and how far it is, about once a
 // second. On a thread of its own, which reads counters only: a capture, a disk or a fit that hangs stops the
 // sign of life, and the service manager restarts the program. Once no further frame is captured the run
-// stops: what the fit, the files and the recording still take is no hang. Thread-bound.
+// stops: what the fit, the files and the recording still take is no hang. That it is ready and that it stops
+// is said again where a busy service manager did not take it. Thread-bound.
 #pragma once
 
 #include <condition_variable>
@@ -40,14 +41,14 @@ class ServiceWatch {
  private:
   void watch();
   void look(bool describe);
-  void tell_stopping();  // once
+  void tell_stopping();  // until it is taken, once
 
   const Supervisor supervisor_;
   const std::function<LiveCounters()> counters_;
   const std::function<std::string(const LiveCounters&)> describe_;
   SignOfLife life_;
-  bool ready_ = false, told_stopping_ = false;
-  std::mutex mutex_;  // guards stopping_
+  bool ready_ = false, told_stopping_ = false;  // and the supervisor took it
+  std::mutex mutex_;                            // guards stopping_
   std::condition_variable wake_;
   bool stopping_ = false;
   std::thread thread_;

@@ -33,7 +33,7 @@ TEST_CASE("a supervisor is told over its socket, by path or in the abstract name
     const Supervisor supervisor = Supervisor::of_environment();
     CHECK(supervisor.present());
     CHECK(supervisor.patience() == Duration::zero());
-    supervisor.tell("READY=1\nSTATUS=here\n");
+    CHECK(supervisor.tell("READY=1\nSTATUS=here\n"));
     CHECK(socket.next() == "READY=1\nSTATUS=here\n");
   }
 }
@@ -42,9 +42,9 @@ TEST_CASE("without a service manager nothing is said, and nothing goes wrong") {
   const Environment environment{};
   const Supervisor supervisor = Supervisor::of_environment();
   CHECK_FALSE(supervisor.present());
-  supervisor.tell("READY=1");
-  Supervisor("/nowhere/notify", {}).tell("READY=1");
-  Supervisor(std::string(4096, 'x'), {}).tell("READY=1");
+  CHECK_FALSE(supervisor.tell("READY=1"));
+  CHECK_FALSE(Supervisor("/nowhere/notify", {}).tell("READY=1"));
+  CHECK_FALSE(Supervisor(std::string(4096, 'x'), {}).tell("READY=1"));
 }
 
 TEST_CASE("the patience of a watchdog counts for the process that it names") {

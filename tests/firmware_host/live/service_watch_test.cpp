@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "tests/support/becomes_true.h"
 #include "tests/support/notify_socket.h"
 
 #include <catch2/catch.hpp>
@@ -76,6 +77,36 @@ TEST_CASE("a service is ready with its first frame, gives signs of life, and say
   CHECK_THAT(until(socket, "STOPPING"), Catch::Equals("STOPPING=1"));
   captured = 3;
   CHECK(socket.next(300).empty());
+}
+
+TEST_CASE("that a service is ready and that it stops reaches a service manager that was busy at the time") {
+  NotifySocket socket(NotifySocket::Where::Path);
+  const Supervisor others(socket.name(), {});
+  const auto busy = [&] {
+    while (others.tell("STATUS=of another service")) continue;
+  };
+  std::atomic<int> looks{0};
+  std::atomic<bool> ended{false};
+  busy();
+  ServiceWatch watch(
+      Supervisor(socket.name(), milliseconds(100)),
+      [&] {
+        LiveCounters now = counted(30);
+        now.ended = ended;
+        ++looks;
+        return now;
+      },
+      [](const LiveCounters&) { return "runs"; });
+  const auto look = [&] {
+    const int before = looks;
+    return test::becomes_true([&] { return looks >= before + 2; });
+  };
+  REQUIRE(look());  // what the first one says is lost
+  CHECK_THAT(until(socket, "READY=1"), Catch::StartsWith("READY=1\n"));
+  busy();
+  ended = true;
+  REQUIRE(look());
+  CHECK_THAT(until(socket, "STOPPING"), Catch::Equals("STOPPING=1"));
 }
 
 TEST_CASE("a service whose camera has ended says once that it stops, though the fit still works") {
