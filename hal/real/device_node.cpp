@@ -91,9 +91,10 @@ std::vector<std::string> device_nodes(std::string_view beginning) {
 
 std::string holder_of(const std::string& path) {
   std::error_code ignored;
+  const std::string own = std::to_string(::getpid());
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {
     const std::string pid = process.path().filename();
-    if (pid.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (pid == own || pid.find_first_not_of("0123456789") != std::string::npos) continue;
     for (const auto& file : fs::directory_iterator(process.path() / "fd", ignored)) {
       if (fs::read_symlink(file, ignored) != path) continue;
       std::string program;

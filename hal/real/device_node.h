@@ -42,7 +42,8 @@ Error control_error(int code, const std::string& path, const std::string& doing)
 // The nodes whose names begin so, such as "video": "/dev/video0" first, and 2 before 10.
 std::vector<std::string> device_nodes(std::string_view beginning);
 
-// "'name' (process 123)" of a process of this user that has the node open; empty where none can be seen.
+// "'name' (process 123)" of another process of this user that has the node open; empty where none can be
+// seen.
 std::string holder_of(const std::string& path);
 
 // Like "add this user to the group 'video' and log in again", from the owner and mode of the node.

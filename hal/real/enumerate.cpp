@@ -68,8 +68,7 @@ void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
     FoundDevice found = described((*camera)->capabilities(), node);
     if (const auto graph = media_graph_of(node); !graph)
       found.missing.push_back("its sensor's controls cannot be found: " + graph.error().message);
-    if (const std::string holder = holder_of(node);
-        !holder.empty() && holder.find("hdrcam") == std::string::npos)
+    if (const std::string holder = holder_of(node); !holder.empty())
       found.facts.push_back("open in " + holder);
     devices.push_back(std::move(found));
   }

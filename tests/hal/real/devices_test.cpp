@@ -1,8 +1,13 @@
 // What can be known of real devices on a machine that has none: sentences for what is missing, and the
 // arithmetic.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,7 +21,9 @@
 #include "hal/real/sync_line_gpiod.h"
 #include "hal/real/v4l2_formats.h"
 #include "tests/contracts/expect.h"
+#include "tests/support/becomes_true.h"
 #include "tests/support/not_tested.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hdrcam {
 namespace {
@@ -99,6 +106,22 @@ TEST_CASE("every errno of a device becomes a code and a sentence with its name")
     CHECK(error.message.find("/dev/video5") != std::string::npos);
     CHECK(error.sys_errno == code);
   }
+}
+
+TEST_CASE("who holds a busy device is another program, or unknown, and never this one") {
+  const std::string node =
+      std::filesystem::canonical(test::scratch_folder("busy_device")).string() + "/video0";
+  std::ofstream(node) << "held";
+  const DeviceNode ours = value_of(DeviceNode::open(node));
+  CHECK(holder_of(node).empty());
+  CHECK_THAT(device_error(EBUSY, node, "stream").message, Catch::Contains("is in use by another program"));
+  std::FILE* const other = ::popen(fmt::format("exec cat 3<'{}'", node).c_str(), "w");
+  REQUIRE(other != nullptr);
+  std::string holder;
+  CHECK(test::becomes_true([&] { return !(holder = holder_of(node)).empty(); }));
+  ::pclose(other);
+  CHECK_THAT(holder,
+             Catch::Contains("(process ") && !Catch::Contains(fmt::format("(process {})", ::getpid())));
 }
 
 TEST_CASE("a control that a device in use refuses is told as that, and never as a full queue") {
