@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
@@ -43,6 +44,15 @@ Result<void> check_adapt(Adapt adapt, LiveWork work) {
                "--adapt motion asks the fit, and this run only records; use --adapt light or 'hdrcam live'"};
 }
 
+// Errors: Invalid where the light would move no exposure.
+Result<void> check_ends(Adapt adapt, std::span<const Exposure> cycle) {
+  if (adapt != Adapt::Light || cycle.size() > 1) return {};
+  return Error{
+      ErrorCode::Invalid,
+      "--adapt light moves the shortest and the longest exposure of a cycle, and this one has a single "
+      "exposure; give a cycle such as --shutter 1ms,4ms,16ms, or leave out --adapt"};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
@@ -58,6 +68,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->camera_ = TRY(open_camera(settings.camera.id, storage, source->lines_->wiring()));
   source->exposure_fixed_ = !source->camera_->capabilities().sets_exposure;
   CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
+  if (!source->exposure_fixed_) TRY(check_ends(settings.schedule.adapt, setup.cycle));
   TRY(source->lines_->open(setup.options.mode.frame_duration));
   setup.options.trigger = source->lines_->trigger();
   TRY(admit_stream(settings, setup.options.mode, limits.work));

@@ -351,6 +351,20 @@ TEST_CASE("a run that follows the light notes how often, and its last cycle") {
   CHECK_THAT(record.notes[1], !Catch::Contains("last to 1 ms, 4 ms"));
 }
 
+TEST_CASE("a single exposure has no ends that the light could move") {
+  Settings settings = settings_of("unused");
+  settings.schedule.shutter = "4ms";
+  settings.schedule.adapt = Adapt::Light;
+  const std::atomic<bool> never{false};
+  for (const LiveWork work : {LiveWork::Fit, LiveWork::RecordOnly}) {
+    const auto refused = CameraSource::open(settings, {.work = work}, posix_storage(), never);
+    require_error(refused, ErrorCode::Invalid);
+    CHECK_THAT(refused.error().message, Catch::Contains("--shutter 1ms,4ms,16ms"));
+  }
+  settings.schedule.gain = "1,4";  // for each exposure of the cycle, whose time is one
+  CHECK(CameraSource::open(settings, {}, posix_storage(), never).ok());
+}
+
 TEST_CASE("a run that only records has no fit to ask for exposures") {
   Settings settings = settings_of("unused");
   settings.schedule.adapt = Adapt::Motion;
