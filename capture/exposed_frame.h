@@ -20,8 +20,8 @@ struct ExposedFrame {
   float exposure = 1;             // E / E_ref
   double reference_exposure = 1;  // E_ref, seconds x gains
   double interval_s = 0;          // since the frame before; not above 0: unknown
-  // Share of the motion that blurs: exposure time over interval_s, 0..1; in online/ what counts of it, which
-  // may be more (online/state/shown_blur.h).
+  // Share of the motion that blurs: exposure time over interval_s, 0..1, and more where a long exposure and
+  // the short one before it end a frame apart; in online/ what counts of it (online/state/shown_blur.h).
   float blur_fraction = 0;
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 

@@ -53,6 +53,7 @@ ExposedStream::ExposedStream(const CameraFacts& camera, int first_frames, Stated
       is_companded_(is_companded(camera)) {
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
+  if (camera.framerate_hz > 0) settings_.frame_s = 1 / camera.framerate_hz;
 }
 
 Result<void> ExposedStream::take(const RawFrame& raw, const HandOn& hand_on) {

@@ -1,11 +1,25 @@
 #include "capture/to_exposed_frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "capture/demosaic.h"
 #include "capture/exposure.h"
 
 namespace hdrcam {
+namespace {
+
+// Where exposures end on the camera's grid, the centre of a long one is nearer than a frame to that of a
+// short one before it, by less than half a frame; such an exposure blurs more than the motion since then.
+double blur_fraction_of(const FrameFacts& facts, double interval_s, double frame_s) {
+  if (!(interval_s > 0) || !facts.has_exposure_time()) return 0;
+  if (!outlasts_frame(facts.exposure_s, interval_s)) return std::min(1.0, facts.exposure_s / interval_s);
+  const double longest_s = std::min(frame_s, 2 * interval_s);
+  if (!(longest_s > 0) || outlasts_frame(facts.exposure_s, longest_s)) return 0;
+  return std::min(facts.exposure_s, longest_s) / interval_s;
+}
+
+}  // namespace
 
 Result<ExposedFrame> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
                                       const ExposedFrameSettings& settings) {
@@ -22,9 +36,7 @@ Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
   frame.interval_s = interval_s;
   frame.reference_exposure = settings.reference_exposure;
   frame.exposure = static_cast<float>(raw.facts.exposure() / settings.reference_exposure);
-  const bool blurs =
-      interval_s > 0 && raw.facts.has_exposure_time() && !outlasts_frame(raw.facts.exposure_s, interval_s);
-  frame.blur_fraction = blurs ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
+  frame.blur_fraction = static_cast<float>(blur_fraction_of(raw.facts, interval_s, settings.frame_s));
 
   const float scale = code_scale(settings.bits);
   if (is_bayer(settings.layout)) {

@@ -21,6 +21,7 @@ inline float scaled_code(std::uint16_t code, float scale) {
 struct ExposedFrameSettings {
   int bits = 8;                           // significant bits of a raw code
   double reference_exposure = 1;          // E_ref, seconds x gains
+  double frame_s = 0;                     // from frame to frame, as the camera states it; 0: unknown
   PixelLayout layout = PixelLayout::Rgb;  // Mono is the same as Rgb with one channel
 };
 

@@ -49,9 +49,10 @@ void ShownBlur::observe_exposure(const ExposedFrame& frame) {
   constexpr float kBeyondJitter = 1.5f;
   constexpr long kLeast = 2, kOneIn = 10;
   const float share = share_of(frame);
+  const bool outlasts = share > 1 && !(frame.blur_fraction > 0);
   ++frames_;
-  if (share > 1) ++outlasting_;
-  const bool told = doubted_ || outlasting_ >= kLeast || share >= kBeyondJitter;
+  if (outlasts) ++outlasting_;
+  const bool told = doubted_ || outlasting_ >= kLeast || (outlasts && share >= kBeyondJitter);
   const bool doubted = told && outlasting_ * kOneIn >= frames_;
   if (doubted == doubted_) return;
   doubted_ = doubted, shown_ = !doubted;

@@ -21,7 +21,8 @@ class ShownBlur {
   explicit ShownBlur(WorkerPool& pool) : pool_(pool) {}
 
   // The share of the motion since the frame before that blurs a frame by its facts; more than 1 where its
-  // exposure outlasts it. 0: unknown, or so long that it is that of a still.
+  // exposure outlasts it, or ends a frame after a short one before it. 0: unknown, or so long that it is that
+  // of a still.
   static float stated(const ExposedFrame& frame);
 
   // Takes note of the exposure that a frame states. While exposures outlast their frames, blur counts only if

@@ -107,6 +107,31 @@ TEST_CASE("a frame is blurred for as long as it was exposed, and not at all wher
     }
 }
 
+TEST_CASE("a long exposure that ends a frame after a short one is blurred, though their centres are nearer") {
+  test::MovingScene scene;
+  const double frame_s = 1 / scene.framerate_hz;
+  scene.exposures_s = {0.001, 0.004, 0.028};
+  for (const double stated_hz : {30.0, 60.0}) {  // of 60 the long exposure outlasts each frame
+    CameraFacts camera = scene.camera();
+    camera.framerate_hz = stated_hz;
+    ExposedStream stream(camera, 3, StatedBlack::Kept);
+    Handed handed;
+    for (int i = 0; i < 9; ++i) {
+      RawFrame frame = scene.frame(i);
+      frame.facts.exposure_source = ExposureSource::Declared;
+      frame.facts.timestamp = frame.facts.timestamp + from_seconds(frame_s - frame.facts.exposure_s / 2);
+      REQUIRE(stream.take(frame, handed.keep()).ok());
+    }
+    for (std::size_t i = 1; i < 9; ++i) {
+      const double exposure_s = scene.exposures_s[i % 3],
+                   interval_s = frame_s - (exposure_s - scene.exposures_s[(i - 1) % 3]) / 2;
+      const bool outlasts = stated_hz > 30 && i % 3 == 2;
+      CAPTURE(stated_hz, i);
+      CHECK(handed.frames[i].blur_fraction == Approx(outlasts ? 0 : exposure_s / interval_s));
+    }
+  }
+}
+
 TEST_CASE("the reference is that of the whole cycle, whichever of its first frames is lost") {
   test::MovingScene scene;
   for (const bool numbered : {true, false})

@@ -105,6 +105,17 @@ TEST_CASE("where exposures outlast their frames motion blur counts only if frame
   CHECK(Moving(10).shown() == false);
 }
 
+TEST_CASE(
+    "an exposure that ends a frame after a short one does not outlast its frame, however near the centres "
+    "are") {
+  Moving moving(0.05);
+  moving.frame.blur_fraction = 1.5f;  // as capture/ states it of such a frame
+  CHECK(moving.stated() == 1.5f);
+  ShownBlur blur(moving.pool);
+  for (int i = 0; i < 6; ++i) blur.observe_exposure(moving.frame);
+  CHECK(blur.counted(moving.stated()) == 1.5f);
+}
+
 TEST_CASE("what blurs in all directions is no motion blur") {
   Moving moving(0.05);
   moving.show_blur(1.5f);
