@@ -16,6 +16,14 @@ std::optional<GpioLineName> parse_line_name(const std::string& name) {
   return GpioLineName{name.substr(0, colon), *offset};
 }
 
+std::vector<GpioLineState> lines_by_number(
+    unsigned count, const std::function<std::optional<GpioLineState>(unsigned)>& state_of) {
+  std::vector<GpioLineState> lines;
+  lines.reserve(count);
+  for (unsigned i = 0; i < count; ++i) lines.push_back(state_of(i).value_or(GpioLineState{}));
+  return lines;
+}
+
 std::vector<std::string> gpio_chip_nodes() { return device_nodes("gpiochip"); }
 
 namespace {

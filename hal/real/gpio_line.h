@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,6 +54,10 @@ struct GpioChipState {
 };
 Result<GpioChipState> inspect_gpio_chip(const std::string& node);
 
+// For both versions: the lines of a chip by their numbers. One whose state cannot be read (nullopt) is
+// unnamed and free, so that those behind it keep their numbers.
+std::vector<GpioLineState> lines_by_number(
+    unsigned count, const std::function<std::optional<GpioLineState>(unsigned)>& state_of);
 // For both versions: splits "gpiochip0:17"; nullopt for anything else.
 std::optional<GpioLineName> parse_line_name(const std::string& name);
 // Whether two names are those of one line: "gpiochip0:17" and "FSYNC". Lines that are not there differ.

@@ -90,16 +90,16 @@ Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings& settings
 Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
   const Chip chip(gpiod_chip_open(node.c_str()));
   if (!chip) return line_error(errno, node, "");
-  GpioChipState state{gpiod_chip_name(chip.get()), gpiod_chip_label(chip.get()), {}};
-  for (unsigned i = 0; i < gpiod_chip_num_lines(chip.get()); ++i) {
-    gpiod_line* line = gpiod_chip_get_line(chip.get(), i);
-    if (line == nullptr) continue;
+  const auto state_of = [&](unsigned offset) -> std::optional<GpioLineState> {
+    gpiod_line* line = gpiod_chip_get_line(chip.get(), offset);
+    if (line == nullptr) return std::nullopt;
     const auto text = [](const char* maybe) { return std::string(maybe == nullptr ? "" : maybe); };
-    state.lines.push_back({text(gpiod_line_name(line)),
-                           gpiod_line_is_used(line) ? text(gpiod_line_consumer(line)) : "",
-                           gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT});
-  }
-  return state;
+    return GpioLineState{text(gpiod_line_name(line)),
+                         gpiod_line_is_used(line) ? text(gpiod_line_consumer(line)) : "",
+                         gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT};
+  };
+  return GpioChipState{gpiod_chip_name(chip.get()), gpiod_chip_label(chip.get()),
+                       lines_by_number(gpiod_chip_num_lines(chip.get()), state_of)};
 }
 
 }  // namespace hdrcam

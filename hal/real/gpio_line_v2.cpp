@@ -121,17 +121,17 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
   if (!chip) return line_error(errno, node, "");
   const ChipInfo info(gpiod_chip_get_info(chip.get()));
   if (!info) return line_error(errno, node, "");
-  GpioChipState state{gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()), {}};
-  for (unsigned i = 0; i < gpiod_chip_info_get_num_lines(info.get()); ++i) {
-    const LineInfo line(gpiod_chip_get_line_info(chip.get(), i));
-    if (!line) continue;
+  const auto state_of = [&](unsigned offset) -> std::optional<GpioLineState> {
+    const LineInfo line(gpiod_chip_get_line_info(chip.get(), offset));
+    if (!line) return std::nullopt;
     const auto text = [](const char* maybe) { return std::string(maybe == nullptr ? "" : maybe); };
-    state.lines.push_back(
-        {text(gpiod_line_info_get_name(line.get())),
-         gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
-         gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT});
-  }
-  return state;
+    return GpioLineState{
+        text(gpiod_line_info_get_name(line.get())),
+        gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
+        gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
+  };
+  return GpioChipState{gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()),
+                       lines_by_number(gpiod_chip_info_get_num_lines(info.get()), state_of)};
 }
 
 }  // namespace hdrcam

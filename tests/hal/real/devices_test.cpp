@@ -91,6 +91,16 @@ TEST_CASE("GPIO lines are named by chip and number or by their own name") {
     CHECK_FALSE(parse_line_name(name).has_value());
 }
 
+TEST_CASE("a GPIO line whose state cannot be read leaves those behind it their numbers") {
+  const auto lines = lines_by_number(3, [](unsigned i) -> std::optional<GpioLineState> {
+    if (i == 1) return std::nullopt;
+    return GpioLineState{fmt::format("LINE{}", i), "", false};
+  });
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[1].name.empty());
+  CHECK(lines[2].name == "LINE2");
+}
+
 TEST_CASE("every errno of a device becomes a code and a sentence with its name") {
   const std::pair<int, ErrorCode> kinds[] = {{ENOENT, ErrorCode::NotFound},
                                              {EACCES, ErrorCode::Permission},
