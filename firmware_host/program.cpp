@@ -123,7 +123,9 @@ bool takes_value(const CLI::App& verb, const std::string& flag) {
   return option != nullptr && option->get_items_expected_max() > 0;
 }
 
-// The words as the parser takes them. CLI11 takes the word behind "--view=" for its value, which is empty.
+// The words as the parser takes them. CLI11 takes the word behind "--view=" for its value, which is empty,
+// and
+// "=x" for the value of "-o=x".
 std::vector<std::string> words_of(const CLI::App& app, std::span<const char* const> args) {
   std::vector<std::string> words;
   const CLI::App* verb = &app;
@@ -133,9 +135,10 @@ std::vector<std::string> words_of(const CLI::App& app, std::span<const char* con
       if (inner->get_name() == word) verb = inner;
     flags_may_follow &= word != "--";
     const std::size_t equals = word.find('=');
-    const bool is_empty = flags_may_follow && word.starts_with("--") && equals + 1 == word.size();
-    if (is_empty && takes_value(*verb, word.substr(0, equals)))
-      words.insert(words.end(), {word.substr(0, equals), ""});
+    const bool is_empty = word.starts_with("--") && equals + 1 == word.size(),
+               is_short = word.starts_with('-') && equals == 2;
+    if (flags_may_follow && (is_empty || is_short) && takes_value(*verb, word.substr(0, equals)))
+      words.insert(words.end(), {word.substr(0, equals), word.substr(equals + 1)});
     else
       words.push_back(word);
   }

@@ -149,6 +149,17 @@ TEST_CASE("a flag whose value is empty behind its equals sign takes no other wor
   CHECK_THAT(told({"info", "--", "--stats="}), Contains("'--stats=' does not exist"));
 }
 
+TEST_CASE("a short flag takes its value behind an equals sign, too") {
+  const std::string recording = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+  CHECK_THAT(ran_here({"replay", recording, "-o=frames.jpg"}).err,
+             Contains("'frames.jpg'") && !Contains("'=frames.jpg'"));
+  CHECK_THAT(ran_here({"replay", recording, "-o=a=b.jpg"}).err, Contains("'a=b.jpg'"));
+  CHECK_THAT(ran_here({"export", recording, "-o="}).err,
+             Contains("--output takes the name of a file or a folder, not ''"));
+  CHECK_THAT(ran_here({"info", "-o=x", "no.mkv"}).err, Contains("unknown flag '-o'"));
+  CHECK_THAT(ran_here({"info", "--", "-o=x"}).err, Contains("'-o=x' does not exist"));
+}
+
 TEST_CASE("a flag that may be repeated takes one word each time, and the word behind it is an argument") {
   const RanHere replay =
       ran_here({"replay", "--set", "steps=0", "no.mkv", "-o", "o/%06d.exr", "--set=hidden=8"});
