@@ -26,6 +26,7 @@ void RunLimits::add_to(CommandLine verb) {
     return seconds ? fmt::format("{}", *seconds) : text;
   };
   verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
+      .type_name("TEXT")
       .transform(in_seconds)
       .check([](const std::string& text) {
         const auto seconds = real_number(text);

@@ -253,6 +253,7 @@ TEST_CASE("--timeout takes a duration as well as a number of seconds") {
   for (const char* timeout : {"2000ms", "2s", "2"})  // refused for what comes later
     CHECK_THAT(ran_here({"record", "--camera", "sim:nosuch", "--timeout", timeout, "-o", "x.mkv"}).err,
                Contains("nosuch"));
+  CHECK_THAT(ran_here({"record", "--help"}).out, Contains("--timeout TEXT") && !Contains("--timeout FLOAT"));
   CHECK_THAT(ran_here({"record", "--timeout", "2h"}).err,
              Contains("takes a duration such as 90s") && Contains("'2h'"));
 }
