@@ -84,12 +84,20 @@ std::string meant_by(const std::string& word, const CLI::App& place) {
   return did_you_mean(word, verbs);
 }
 
+// Adds the verbs below this one that have the flag: "replay", "bench pareto". words: that lead to them.
+void add_verbs_with(const std::string& flag, const CLI::App& app, const std::string& words,
+                    std::vector<std::string>& verbs) {
+  for (const CLI::App* verb : app.get_subcommands(nullptr)) {
+    if (verb->get_option_no_throw(flag) != nullptr) verbs.push_back(words + verb->get_name());
+    add_verbs_with(flag, *verb, words + verb->get_name() + ' ', verbs);
+  }
+}
+
 // Of an unknown flag: the verbs that have it, or else one of this verb that is almost the same.
 std::string meant_by_flag(const CLI::App& app, const std::string& flag,
                           const std::vector<std::string>& known) {
   std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands(nullptr))
-    if (verb->get_option_no_throw(flag) != nullptr) verbs.push_back(verb->get_name());
+  add_verbs_with(flag, app, "", verbs);
   return verbs.empty() ? did_you_mean(flag, known) : fmt::format(" (a flag of {})", fmt::join(verbs, ", "));
 }
 

@@ -132,6 +132,9 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"list", "sim:walk"}), Contains("'sim:walk'") && !Contains("did you mean"));
   CHECK_THAT(refused({"repair", "walk.mkv", "--shutter", "1ms"}),
              Contains("unknown flag '--shutter' (a flag of ") && Contains("record") && Contains("import"));
+  CHECK_THAT(refused({"replay", "walk.mkv", "--seconds", "1"}),
+             Contains("unknown flag '--seconds' (a flag of bench kernels)"));
+  CHECK_THAT(refused({"bench", "kernels", "--point", "fast"}), Contains("(a flag of bench pareto)"));
 }
 
 TEST_CASE("a flag whose value is empty behind its equals sign takes no other word for it") {
