@@ -71,8 +71,6 @@ Result<void> show_costs(const std::vector<PointCost>& costs, const std::string& 
 
 // The runs have outputs of their own: those of a file of settings are for other verbs.
 Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surroundings& around) {
-  if (!flags.settings->given({"machine.trace"}).empty())
-    return Error{ErrorCode::Invalid, "--trace is of one run, and bench makes many; trace a replay"};
   Settings settings = asked;
   settings.machine.trace.clear();
   CostWalk plan = flags.walk;
@@ -165,7 +163,8 @@ void add_bench(CommandLine program, Verb& chosen) {
       .show_default();
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine});
+      verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine},
+      std::vector<std::string>{"machine.trace"});  // of one run, and these are many
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, bench_pareto); });
 }
 

@@ -27,11 +27,7 @@ Result<void> check_recording_named(Storage& storage, const std::string& recordin
   return {};
 }
 
-Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,
-                                       std::string_view what) {
-  if (!flags.given({"output.http_record"}).empty())
-    return Error{ErrorCode::Invalid,
-                 fmt::format("--http-record needs a camera; {} has nothing to record", what)};
+Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked) {
   TRY(check_ignored_flags(flags, asked));
   Settings settings = with_start_time(asked, posix_clock().wall_time());
   settings.output.http_takes.clear();

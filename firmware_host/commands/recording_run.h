@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/recording_source.h"
@@ -18,10 +17,8 @@ namespace hdrcam {
 // where there is none of that name.
 Result<void> check_recording_named(Storage& storage, const std::string& recording, const char* verb);
 // The settings of such a run: with the time of its start in the names of files, and without recordings that
-// the live page starts. what: "a replay". Errors: Invalid where a flag asks for such recordings; those of
-// check_ignored_flags.
-Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,
-                                       std::string_view what);
+// the live page starts, which a file of settings may have. Errors: those of check_ignored_flags.
+Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked);
 // Whether any output besides a recording is asked for.
 bool writes_outputs(const Settings::Output& output);
 

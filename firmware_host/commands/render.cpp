@@ -32,9 +32,13 @@ struct RenderFlags {
   std::unique_ptr<SettingsFlags> settings;
 };
 
+// Outputs of runs that fit, and of recorded frames: what moves between them is known of those alone.
+constexpr const char* kOfOtherVerbs[] = {Settings::Output::kSnapshot, "flow_forward", "flow_backward",
+                                         "field_flow_forward", "field_flow_backward"};
+
 bool is_png(const std::string& path) { return path.ends_with(".png"); }
 
-// A film's frames are made of recorded ones: what moves between them is known of those alone.
+// The same as channels of the HDR frames.
 Result<void> check_motion(const Settings& settings) {
   const std::string motion = motion_output(settings.output);
   if (motion.empty()) return {};
@@ -217,10 +221,10 @@ Result<void> render_recording(const RenderFlags& flags, const Settings& settings
 Result<void> render(const RenderFlags& flags, const Settings& given, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "render"));
   Settings asked = given;
-  asked.output.paths.erase(Settings::Output::kSnapshot);  // of runs that fit
+  for (const char* output : kOfOtherVerbs) asked.output.paths.erase(output);  // of a file of settings
   if (!writes_outputs(asked.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
-  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a film"));
+  const Settings settings = TRY(settings_on_recording(*flags.settings, asked));
   return TRY(is_scene_snapshot(around.storage, flags.recording)) ? render_snapshot(flags, settings, around)
                                                                  : render_recording(flags, settings, around);
 }
@@ -270,6 +274,13 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
       .group(kGroup);
 }
 
+// All frames of a film count, and its page has no camera to record.
+std::vector<std::string> not_of_a_film() {
+  std::vector<std::string> keys{"fit.deadline", "output.http_record"};
+  for (const char* output : kOfOtherVerbs) keys.push_back(fmt::format("output.{}", output));
+  return keys;
+}
+
 }  // namespace
 
 void add_render(CommandLine program, Verb& chosen) {
@@ -282,12 +293,11 @@ void add_render(CommandLine program, Verb& chosen) {
       .check(names_file);
   add_view_flags(verb, flags->options);
   flags->kept.add_to(verb);
-  flags->settings = std::make_unique<SettingsFlags>(
-      verb,
-      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                SettingGroup::Machine},
-      // all frames of a film count, and it shows a scene but fits none of its own
-      std::vector<std::string>{"fit.deadline", "output.snapshot"});
+  flags->settings =
+      std::make_unique<SettingsFlags>(verb,
+                                      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs,
+                                                                SettingGroup::Output, SettingGroup::Machine},
+                                      not_of_a_film());
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 

@@ -60,7 +60,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
         ErrorCode::Invalid,
         "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report; "
         "'hdrcam replay --help' lists all"};
-  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a replay"));
+  const Settings settings = TRY(settings_on_recording(*flags.settings, asked));
   TRY(check_needs(settings));
   TRY(check_recorded_poses(around.storage, flags.recording, settings));
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, sink_kinds())));
@@ -94,9 +94,11 @@ void add_replay(CommandLine program, Verb& chosen) {
       "fail at a damaged frame and where pictures contradict an exposure, instead of going on with a "
       "warning");
   flags->kept.add_to(verb);
-  flags->settings = std::make_unique<SettingsFlags>(
-      verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                      SettingGroup::Machine});
+  flags->settings =
+      std::make_unique<SettingsFlags>(verb,
+                                      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs,
+                                                                SettingGroup::Output, SettingGroup::Machine},
+                                      std::vector<std::string>{"output.http_record"});  // of a camera
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, replay); });
 }
 

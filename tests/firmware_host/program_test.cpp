@@ -82,6 +82,19 @@ TEST_CASE("a verb explains its flags, whichever way it is asked") {
   }
 }
 
+TEST_CASE("the help of a verb lists no flag that it never takes") {
+  const auto lacks = [](const std::vector<std::string>& verb, const std::vector<std::string>& flags) {
+    std::vector<std::string> words = verb;
+    words.emplace_back("--help");
+    const std::string help = ran_here(words).out;
+    for (const std::string& flag : flags) CHECK_THAT(help, Contains("Machine:") && !Contains(flag + " TEXT"));
+  };
+  lacks({"render"}, {"--snapshot", "--flow-forward", "--flow-backward", "--field-flow-forward",
+                     "--field-flow-backward", "--http-record"});
+  lacks({"replay"}, {"--http-record"});
+  lacks({"bench", "pareto"}, {"--trace"});
+}
+
 TEST_CASE("--version is one line") {
   const RanHere version = ran_here({"--version"});
   CHECK(version.exit_code == kExitOk);

@@ -138,7 +138,7 @@ TEST_CASE("recordings that the live page starts are refused as a flag of a repla
     std::vector<std::string> words{verb, walk, "--preset", "fast", "--emit", "state", "--stats", stats};
     const std::size_t size = words.size();
     words.insert(words.end(), {"--http-record", takes});
-    check_refused(words, ErrorCode::Invalid, "--http-record needs a camera");
+    check_refused(words, ErrorCode::Invalid, "unknown flag '--http-record' (a flag of live)");
     words.resize(size);
     words.insert(words.end(), {"--config", file});
     require_success(words);
