@@ -1,6 +1,7 @@
 #include "firmware_host/commands/run_limits.h"
 
 #include "firmware_host/settings/seconds_text.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {
@@ -47,9 +48,9 @@ LiveOptions RunLimits::options(LiveWork work) const {
 Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {
   const bool limited = frames > 0 || timeout_s > 0;
   if (end != LiveEnd::Stopped || !limited) return {};
-  return Error{
-      ErrorCode::Interrupted,
-      fmt::format("stopped after {} captured frames; the files that were written are complete", captured)};
+  return Error{ErrorCode::Interrupted,
+               fmt::format("stopped after {}; the files that were written are complete",
+                           counted(captured, "captured frame"))};
 }
 
 }  // namespace hdrcam

@@ -16,6 +16,7 @@
 #include "firmware_host/simulation/clip_timeline.h"
 #include "firmware_host/simulation/truth_clip.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 #include "hal/recording/recording.h"
 #include "hal/sim/effect_costs.h"
@@ -98,7 +99,7 @@ Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, i
   }
   if (outputs.clip) {
     TRY(outputs.clip->finish());
-    say("{}: a clip of {} images with ground truth\n", flags.truth, frames);
+    say("{}: a clip of {} with ground truth\n", flags.truth, counted(frames, "image"));
   }
   return {};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "hal/core/counted.h"
 #include "hal/gpu/gpu_list.h"
 #include "hal/real/camera_libcamera.h"
 #include "hal/real/camera_v4l2.h"
@@ -83,7 +84,7 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
     }
     FoundDevice found{DeviceKind::GpioChip,
                       chip->name,
-                      fmt::format("{} ({} lines)", chip->label, chip->lines.size()),
+                      fmt::format("{} ({})", chip->label, counted(chip->lines.size(), "line")),
                       {},
                       {}};
     for (std::size_t i = 0; i < chip->lines.size(); ++i) {

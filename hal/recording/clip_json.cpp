@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hal/core/counted.h"
 #include "hal/core/json_text.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
@@ -296,7 +297,7 @@ Result<Clip> clip_from_json(std::string text, const std::string& path) {
   const Json& frames = fields.at("frames");
   if (frames.size() < 2)
     return Error{ErrorCode::TooShort,
-                 fmt::format("'{}' has {} frame(s); at least two are needed", path, frames.size())};
+                 fmt::format("'{}' has {}; at least two are needed", path, counted(frames.size(), "frame"))};
   bool slots_are_named = false;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const ClipFrame* before = clip.frames.empty() ? nullptr : &clip.frames.back();

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "hal/core/counted.h"
 #include "hal/recording/png_image.h"
 
 namespace hdrcam {
@@ -96,8 +97,8 @@ Result<RawFrame> ImageSequence::read(int index) const {
   const int found = image.samples.channels(), expected = channels(camera.layout);
   if (found != expected)
     return Error{ErrorCode::SizeChanged,
-                 fmt::format("frame {}: '{}' has {} channel(s), expected {} ({})", index, path_of(index),
-                             found, expected, name(camera.layout))};
+                 fmt::format("frame {}: '{}' has {}, expected {} ({})", index, path_of(index),
+                             counted(found, "channel"), expected, name(camera.layout))};
   if (image.bits_per_sample < camera.bits)
     return Error{ErrorCode::Invalid,
                  fmt::format("frame {}: '{}' has 8 bits a sample, the clip states {}; set 'bits' to 8", index,

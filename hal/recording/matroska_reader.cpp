@@ -7,6 +7,7 @@
 #include <climits>
 #include <utility>
 
+#include "hal/core/counted.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/cluster_scan.h"
 #include "hal/recording/facts_json.h"
@@ -242,8 +243,8 @@ Error MatroskaReader::corrupt(const std::string& what) const {
 Error MatroskaReader::ended() {
   if (container_.whole) return corrupt("the rest of the file cannot be read");
   look_behind();
-  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s), or is still being written",
-                                            path_, frames_ - left_out_.count)};
+  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {}, or is still being written", path_,
+                                            counted(frames_ - left_out_.count, "whole frame"))};
 }
 
 // Nothing says where a recording ends that was cut: what was put behind it is searched for.

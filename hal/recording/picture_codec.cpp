@@ -9,6 +9,7 @@ extern "C" {
 #include <array>
 #include <cmath>
 
+#include "hal/core/counted.h"
 #include "hal/core/sound_facts.h"
 
 namespace hdrcam {
@@ -208,9 +209,9 @@ Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, Recording
 Result<AVPacket*> PictureEncoder::encode(const Image<std::uint16_t>& codes) {
   if (codes.channels() != channels_ || codes.rows() != context_->height || codes.cols() != context_->width)
     return Error{ErrorCode::SizeChanged,
-                 fmt::format("a frame of {}x{} with {} channel(s) does not fit a recording of {}x{} with {}",
-                             codes.cols(), codes.rows(), codes.channels(), context_->width, context_->height,
-                             channels_)};
+                 fmt::format("a frame of {}x{} with {} does not fit a recording of {}x{} with {}",
+                             codes.cols(), codes.rows(), counted(codes.channels(), "channel"),
+                             context_->width, context_->height, channels_)};
   std::uint32_t used = 0;
   for (const std::uint16_t code : codes.samples()) used |= code;
   if ((used >> bits_) != 0)

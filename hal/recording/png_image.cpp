@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "hal/core/counted.h"
+
 namespace hdrcam {
 namespace {
 
@@ -181,8 +183,8 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
     return Error{ErrorCode::SizeChanged,
                  fmt::format("'{}' is {}x{}, expected {}x{}", path, reading.cols, reading.rows, cols, rows)};
   if (reading.bit_depth < 8 && reading.color_type == PNG_COLOR_TYPE_GRAY)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' has {} bit(s) a sample; use a PNG of 8 or 16", path, reading.bit_depth)};
+    return Error{ErrorCode::Unsupported, fmt::format("'{}' has {} a sample; use a PNG of 8 or 16", path,
+                                                     counted(reading.bit_depth, "bit"))};
 
   PngImage image;
   image.bits_per_sample = reading.bit_depth == 16 ? 16 : 8;

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include "hal/core/counted.h"
+
 namespace hdrcam {
 
 std::string_view name(RecordingCodec codec) { return codec == RecordingCodec::Ffv1 ? "ffv1" : "huffyuv"; }
@@ -11,7 +13,7 @@ std::string LeftOut::sentence() const {
   const char* const end = end_is_missing ? ", and frames may be lost at the end" : "";
   if (count == 0)
     return fmt::format("damaged{} ({})", end_is_missing ? end : ", but no frame is lost", reason);
-  return fmt::format("{} damaged frame(s) left out: {}{}{} ({})", count, fmt::join(places, ", "),
+  return fmt::format("{} left out: {}{}{} ({})", counted(count, "damaged frame"), fmt::join(places, ", "),
                      count > places.size() ? " .." : "", end, reason);
 }
 

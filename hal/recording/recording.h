@@ -45,7 +45,7 @@ struct LeftOut {
   std::string reason;                 // of the first; with a count of 0: why the file is damaged all the same
   bool end_is_missing = false;  // with it how many frames there were: some behind the last one may be lost
 
-  // "2 damaged frame(s) left out: 20, 21 (the checksum ..)"; empty for a sound file.
+  // "2 damaged frames left out: 20, 21 (the checksum ..)"; empty for a sound file.
   std::string sentence() const;
 };
 

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "hal/core/counted.h"
+
 namespace hdrcam {
 namespace {
 
@@ -31,7 +33,7 @@ CycleChoice::CycleChoice(const ExposureLimits& limits)
 
 std::string CycleChoice::summary() const {
   if (requests_ == 0) return "the fit asked for no other exposures";
-  return fmt::format("the fit asked for other exposures {} time(s); last for {}", requests_, last_);
+  return fmt::format("the fit asked for other exposures {}; last for {}", counted(requests_, "time"), last_);
 }
 
 std::optional<CycleRequest> CycleChoice::observe(const FrameEstimate& estimate,

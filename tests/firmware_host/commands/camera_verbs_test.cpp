@@ -128,7 +128,7 @@ TEST_CASE(
     const test::Ran ended = test::ran(line);
     INFO(ended.output);
     CHECK(ended.exit_code == kExitOk);
-    CHECK(ended.output.find("1 damaged frame(s) left out") != std::string::npos);
+    CHECK(ended.output.find("1 damaged frame left out") != std::string::npos);
     CHECK(ended.output.find("11 frames; exposures: ") != std::string::npos);
   }
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "hal/core/counted.h"
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/cluster_scan.h"
 #include "hal/recording/facts_json.h"
@@ -79,8 +80,8 @@ TEST_CASE("a recording cut at any byte reads up to its last whole frame and says
     if (replayed.error) {
       REQUIRE(replayed.error->code == ErrorCode::Truncated);
       if (expected > 0)
-        REQUIRE(replayed.error->message.find(
-                    fmt::format("was cut after {} whole frame(s), or is still being written", expected)) !=
+        REQUIRE(replayed.error->message.find(fmt::format("was cut after {}, or is still being written",
+                                                         counted(expected, "whole frame"))) !=
                 std::string::npos);
     } else {
       ++complete;

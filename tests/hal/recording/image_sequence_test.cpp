@@ -193,7 +193,7 @@ TEST_CASE("a clip of fewer than two frames is too short") {
   folder.write(kHead, {R"("file":"0.png","time_s":0,"exposure_s":0.001)"});
   const Error error = folder.error();
   CHECK(error.code == ErrorCode::TooShort);
-  CHECK(says(error, {"clip.json", "1 frame", "two"}));
+  CHECK(says(error, {"clip.json", "1 frame; at least two"}));
 }
 
 TEST_CASE("images that do not fit the clip are refused by their frame, file and value") {

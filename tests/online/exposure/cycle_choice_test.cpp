@@ -206,6 +206,15 @@ TEST_CASE("the cycle follows when what moved comes to rest") {
   CHECK(seconds_of(loop.cycle()) > 1.4 * moving_s);
 }
 
+TEST_CASE("the summary counts the requests in words") {
+  CycleChoice choice(limits_of(kCycle));
+  const CycleRequest request{.cycle = kCycle, .error_before = 1, .error_after = 0.5};
+  choice.runs(request);
+  CHECK_THAT(choice.summary(), Catch::Contains("other exposures 1 time; last for "));
+  choice.runs(request);
+  CHECK_THAT(choice.summary(), Catch::Contains("other exposures 2 times; last for "));
+}
+
 TEST_CASE("the cycle before goes on where the camera refuses the one that the fit asks for") {
   Loop loop(limits_of(kCycle), {.speed_px = 8});
   loop.set_refuses(true);
