@@ -160,7 +160,7 @@ void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
   const T last_x = T(base.cols() - 1), last_y = T(base.rows() - 1);
   const bool inside_x = x > 0 && x<last_x, inside_y = y> 0 && y < last_y;
-  // as in spot_at() of ../fit/vulkan/ray.glsl: what is not a number is in the picture, too
+  // as in_picture() of vulkan/camera.glsl: what is not a number is in the picture, too
   const auto within = [](T at, T last) {
     const T near = at < last ? at : last;
     return near > 0 ? near : T(0);

@@ -32,3 +32,10 @@ vec3 project(View from_anchor, vec3 x) {
   const vec3 p = carried(from_anchor, (((x.xy - 0.5) * margin + 0.5) * size - centre) / focal, q);
   return vec3(focal * p.xy / p.z + centre, q / p.z);
 }
+
+// A place in pixels, from the centre of the first one on, clamped to the picture. As comparisons: what is not a
+// number is in the picture, too.
+vec2 in_picture(vec2 free) {
+  const vec2 last = size - 1, near = mix(last, free, lessThan(free, last));
+  return mix(vec2(0), near, greaterThan(near, vec2(0)));
+}

@@ -16,7 +16,7 @@ struct Base {
 // The base where the frame sees a window point; outside its picture nothing is known of the radiance.
 Base base_at(View frame, vec3 point) {
   const vec3 seen = project(frame, point);
-  const vec2 last = size - 1, at = clamp(seen.xy - 0.5, vec2(0), last);
+  const vec2 at = in_picture(seen.xy - 0.5);
   const int cols = int(size.x), rows = int(size.y);
   const int i = min(int(at.x), max(cols - 2, 0)), j = min(int(at.y), max(rows - 2, 0));
   const float fx = at.x - float(i), fy = at.y - float(j);

@@ -39,9 +39,7 @@ struct Spot {
   vec2 fraction, inside;  // inside: 0 where it was clamped
 };
 Spot spot_at(int frame, vec2 pixel) {
-  const vec2 free = pixel - 0.5, last = size - 1;
-  // as comparisons: what is not a number is in the picture, too
-  const vec2 near = mix(last, free, lessThan(free, last)), at = mix(vec2(0), near, greaterThan(near, vec2(0)));
+  const vec2 free = pixel - 0.5, last = size - 1, at = in_picture(free);
   const int cols = int(size.x), rows = int(size.y);
   const int i = min(int(at.x), max(cols - 2, 0)), j = min(int(at.y), max(rows - 2, 0));
   Spot spot;
