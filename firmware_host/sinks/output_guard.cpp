@@ -76,6 +76,11 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
     place.names = TRY(names_of(storage, output));
     return place;
   }
+  if (output.path == "-")
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} - would write a file named '-': only HDR frames go to the standard output; "
+                             "name a file",
+                             output.flag)};
   if (output.path.ends_with('/'))
     return Error{ErrorCode::Invalid,
                  fmt::format("{} '{}' names a folder; name a file in it", output.flag, output.path)};

@@ -174,6 +174,10 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
                 "/proc/nonexistent");
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
+  check_refused({"calibrate", "delay", "--camera", sim, "-o", "-"}, ErrorCode::Invalid,
+                "--output - would write a file named '-'");
+  check_refused({"live", "--camera", sim, "--frames", "1", "--trace", "-"}, ErrorCode::Invalid,
+                "--trace - would write a file named '-'");
   check_refused({"calibrate", "delay", "--camera", sim, "--shutter", "4ms"}, ErrorCode::Invalid,
                 "no two exposures of --shutter 4ms are a stop apart");
 }
