@@ -22,6 +22,8 @@ std::string number_needed(const CLI::App& place, const std::string& sentence) {
   if (end == std::string::npos) return sentence;
   const std::string name = sentence.substr(begin, end - begin);
   const CLI::Option* option = place.get_option_no_throw(name);
+  if (option != nullptr && option->get_items_expected_max() == 0)
+    return fmt::format("{} takes true or false, not '{}'", name, sentence.substr(end + 3));
   const bool whole = option == nullptr || !option->get_type_name().starts_with("FLOAT");
   return fmt::format("{} takes a {}number, not '{}'", name, whole ? "whole " : "", sentence.substr(end + 3));
 }

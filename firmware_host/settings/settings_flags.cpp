@@ -85,8 +85,9 @@ struct SettingsFlags::Given {
         ->group("Configuration");
     if (flags.empty()) return;
     // What a run needs is not needed to print its settings.
-    const auto print_instead = [this, &verb](std::int64_t) {
-      print_config = true;
+    const auto print_instead = [this, &verb](std::int64_t count) {
+      print_config = count > 0;  // not of --print-config=false
+      if (!print_config) return;
       for (CLI::Option* option : verb.get_options()) option->required(false);
     };
     verb.add_flag_function("--print-config", print_instead, "print the settings as such a file and exit")

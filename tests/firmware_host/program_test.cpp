@@ -201,6 +201,7 @@ TEST_CASE("a value that is missing or no number is told with its flag and what t
         "hdrcam: --frames takes a whole number, 1 to 1000000, not '0'");
   CHECK(refused({"live", "--frames", "-3"}) ==
         "hdrcam: --frames takes a number of frames, 1 to 1000000000, not '-3'");
+  CHECK(refused({"info", "walk.mkv", "--json=maybe"}) == "hdrcam: --json takes true or false, not 'maybe'");
 }
 
 TEST_CASE("the settings are printed without what a run needs") {
@@ -219,6 +220,9 @@ TEST_CASE("the settings are printed without what a run needs") {
     CHECK(printed.err.empty());
   }
   CHECK(ran_here({"encode"}).exit_code == kExitUsage);
+  const RanHere not_printed = ran_here({"encode", "--print-config=false"});
+  CHECK(not_printed.exit_code == kExitUsage);
+  CHECK(not_printed.out.empty());
 }
 
 TEST_CASE("a number that cannot be is refused with the range that a person needs, NaN always") {
