@@ -87,14 +87,26 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
-// "hdrcam help [TOPIC]" is rewritten to the equivalent flag.
+// "hdrcam help [TOPIC]" is rewritten to the equivalent flag. topics: "bench", or "bench", "kernels".
 Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   const std::string_view topic = topics.empty() ? "help" : topics.front();
   if (topic == "help") return Request{nullptr, {}, help_text(app)};
   if (topic == "exit-codes") return Request{nullptr, {}, exit_code_text()};
-  for (const ListedVerb& verb : kVerbs)
-    if (topic == verb.name) return Request{nullptr, {}, app.get_subcommand(verb.name)->help("hdrcam")};
-  return unknown_verb(topic);
+  if (const auto known = verb_names(); std::ranges::find(known, topic) == known.end())
+    return unknown_verb(topic);
+  const CLI::App* verb = app.get_subcommand(std::string(topic));
+  std::string words = "hdrcam";
+  for (const std::string_view inner : topics.subspan(1)) {
+    words += ' ' + verb->get_name();
+    const std::vector<const CLI::App*> verbs = verb->get_subcommands(nullptr);
+    const auto found =
+        std::ranges::find_if(verbs, [&](const CLI::App* known) { return known->get_name() == inner; });
+    if (found == verbs.end())
+      return Error{ErrorCode::Invalid,
+                   fmt::format("unexpected argument '{}'; see '{} --help'", inner, words)};
+    verb = *found;
+  }
+  return Request{nullptr, {}, verb->help(words)};
 }
 
 // One file of settings serves all verbs: a verb that uses no setting still checks the file.

@@ -82,6 +82,16 @@ TEST_CASE("a verb explains its flags, whichever way it is asked") {
   }
 }
 
+TEST_CASE("help explains a verb of a verb") {
+  const RanHere help = ran_here({"help", "bench", "kernels"});
+  CHECK(help.exit_code == kExitOk);
+  CHECK_THAT(help.out, Contains("Usage: hdrcam bench kernels"));
+  CHECK(help.out == ran_here({"bench", "kernels", "--help"}).out);
+  const RanHere unknown = ran_here({"help", "bench", "paretto"});
+  CHECK(unknown.exit_code == kExitUsage);
+  CHECK_THAT(unknown.err, Contains("unexpected argument 'paretto'; see 'hdrcam bench --help'"));
+}
+
 TEST_CASE("the help of a verb lists no flag that it never takes") {
   const auto lacks = [](const std::vector<std::string>& verb, const std::vector<std::string>& flags) {
     std::vector<std::string> words = verb;
