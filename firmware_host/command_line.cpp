@@ -69,11 +69,9 @@ Flag CommandLine::add_switch(const char* names, bool& target, const char* help) 
 Flag CommandLine::flag(const char* name) { return Flag(*parser_->get_option(name)); }
 
 std::optional<std::string> CommandLine::given(const char* name) const {
-  for (const CLI::App* place = parser_; place != nullptr; place = place->get_parent())
-    if (const CLI::Option* option = place->get_option_no_throw(name);
-        option != nullptr && option->count() > 0)
-      return option->as<std::string>();
-  return std::nullopt;
+  const CLI::Option* const option = parser_->get_option_no_throw(name);
+  if (option == nullptr || option->count() == 0) return std::nullopt;
+  return option->as<std::string>();
 }
 
 std::optional<long long> whole_number(const std::string& word) { return number_in<long long>(word); }

@@ -60,7 +60,7 @@ class CommandLine {
   Flag add_switch(const char* names, bool& target, const char* help);  // takes no value
   Flag flag(const char* name);                                         // that the verb has already
 
-  // What the user gave for this flag of the verb, or of the verb around it: "bench", then "kernels".
+  // What the user gave for this flag of the verb.
   std::optional<std::string> given(const char* name) const;
 
   CLI::App& parser() const { return *parser_; }

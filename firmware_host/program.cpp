@@ -109,9 +109,10 @@ Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   return Request{nullptr, {}, verb->help(words)};
 }
 
-// One file of settings serves all verbs: a verb that uses no setting still checks the file.
+// One file of settings serves all verbs: a verb that uses no setting still checks the file. Not one with
+// verbs of its own: before those the file would be checked and not used.
 void add_config(CLI::App& verb, std::shared_ptr<SettingsFlags>& unused_settings) {
-  if (verb.get_option_no_throw("--config") != nullptr) return;
+  if (verb.get_option_no_throw("--config") != nullptr || !verb.get_subcommands({}).empty()) return;
   auto flags = std::make_shared<SettingsFlags>(verb, std::vector<SettingGroup>{});
   verb.parse_complete_callback([flags, &unused_settings] { unused_settings = flags; });
 }

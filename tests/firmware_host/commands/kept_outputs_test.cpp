@@ -68,7 +68,6 @@ TEST_CASE("no output takes the place of the configuration, of a clip or of its t
   refused({"record", "--camera", "sim:still?size=32x32", "--config", odd, "--force", "-o", odd}, kConfig);
   refused({"simulate", "walk?size=32x32", "--config", odd, "--force", "-o", odd}, kConfig);
   refused({"compare", clip, out, "--config", config, "--json", config}, kConfig);
-  refused({"bench", "--config", config, "kernels", "--json", config}, kConfig);
   for (const std::string& file : {config, odd}) CHECK(text_of(file) == "[fit]\nseed = 2\n");
 
   const std::string clip_json = text_of(clip + "/clip.json");
