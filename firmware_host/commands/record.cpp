@@ -7,6 +7,7 @@
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/memory_need.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 
@@ -27,6 +28,7 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 Result<void> record_again(const RecordFlags& flags, const Settings& settings, Trace* trace,
                           Surroundings& around) {
   const auto source = TRY(open_replayed(settings, flags.limits, Contradiction::Warns, around));
+  TRY(admit_copy(settings, source->camera()));
   Result<void> failed;
   for (;;) {
     const TraceSpan span(trace, "record");

@@ -158,6 +158,10 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   const std::string demo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
   check_refused({"live", "--camera", demo}, ErrorCode::Invalid,
                 "is a file and not a camera; a recording is --camera replay:" + demo);
+  const std::string copy = sample::scratch_folder("refused_copy") + "/copy.mkv";
+  check_refused({"record", "--camera", "replay:" + demo, "--memory", "64", "-o", copy},
+                ErrorCode::Unsupported, "a copy of frames of 320x240 needs about");
+  CHECK_FALSE(std::filesystem::exists(copy));
   check_refused({"live", "--camera", "/dev/video99"}, ErrorCode::NotFound, "/dev/video99");
   check_refused({"live", "--camera", sim, "--format", "YUYV"}, ErrorCode::Unsupported, "YUYV");
   check_refused({"live", "--camera", sim, "--shutter", "1ms,200ms"}, ErrorCode::BadExposure, "200 ms");
