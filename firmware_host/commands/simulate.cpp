@@ -42,7 +42,6 @@ Result<Format> format_of(const SimulateFlags& flags) {
   const int bits = flags.bits != 0 ? flags.bits : bayer ? 12 : 8;
   if (!bayer && flags.format != "rgb")
     return Error{ErrorCode::Invalid, fmt::format("--format {}: give rgb or bayer", flags.format)};
-  if (bits < 8 || bits > 16) return Error{ErrorCode::Invalid, fmt::format("--bits {}: give 8 to 16", bits)};
   return Format{bayer ? PixelLayout::BayerRggb : PixelLayout::Rgb, bits};
 }
 
@@ -189,7 +188,7 @@ void add_simulate(CommandLine program, Verb& chosen) {
       .check(names_file);
   verb.add_option("--frames", flags->frames, "frames to film").show_default().in_range(1, 1'000'000);
   verb.add_option("--format", flags->format, "pixel format: rgb or bayer").show_default();
-  verb.add_option("--bits", flags->bits, "bits per sample, 8..16 [8 for rgb, 12 for bayer]");
+  verb.add_option("--bits", flags->bits, "bits per sample [8 for rgb, 12 for bayer]").in_range(8, 16);
   flags->kept.add_to(verb);
   verb.add_switch("--list", flags->list, "print the scenes, their settings and the effects");
   verb.add_switch("--explain", flags->explain, "print which effects are on, why, and what they cost");

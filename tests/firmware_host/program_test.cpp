@@ -211,6 +211,8 @@ TEST_CASE("a value that is missing or no number is told with its flag and what t
   CHECK(refused({"compare", "clip", "out", "--skip", "x"}) == "hdrcam: --skip takes a whole number, not 'x'");
   CHECK(refused({"simulate", "walk", "--frames", "0"}) ==
         "hdrcam: --frames takes a whole number, 1 to 1000000, not '0'");
+  CHECK(refused({"simulate", "walk", "--bits", "0"}) ==
+        "hdrcam: --bits takes a whole number, 8 to 16, not '0'");
   CHECK(refused({"live", "--frames", "-3"}) ==
         "hdrcam: --frames takes a number of frames, 1 to 1000000000, not '-3'");
   CHECK(refused({"info", "walk.mkv", "--json=maybe"}) == "hdrcam: --json takes true or false, not 'maybe'");
