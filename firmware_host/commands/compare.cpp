@@ -105,7 +105,9 @@ void add_compare(CommandLine program, Verb& chosen) {
       .required()
       .check(names_file);
   flags->json.add_to(verb, "the scores");
-  verb.add_option("--skip", flags->skip, "frames left out at either end of the clip").show_default();
+  verb.add_option("--skip", flags->skip, "frames left out at either end of the clip")
+      .in_range(0, 1'000'000)
+      .show_default();
   verb.add_option("--label", flags->label, "name of the estimates in the table [the folder's name]");
   flags->kept.add_without_force(verb);
   verb.on_chosen(

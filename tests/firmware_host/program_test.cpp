@@ -208,7 +208,9 @@ TEST_CASE("a value that is missing or no number is told with its flag and what t
   CHECK(refused({"replay", "walk.mkv", "--preset"}) == "hdrcam: --preset needs a value");
   CHECK(refused({"replay", "walk.mkv", "-o"}) == "hdrcam: --output needs a value");
   CHECK(refused({"render", "walk.mkv", "--speed", "25%"}) == "hdrcam: --speed takes a number, not '25%'");
-  CHECK(refused({"compare", "clip", "out", "--skip", "x"}) == "hdrcam: --skip takes a whole number, not 'x'");
+  for (const std::string skip : {"x", "", "99999999999"})  // "": $SKIP where it is not set, which was 0
+    CHECK(refused({"compare", "clip", "out", "--skip", skip}) ==
+          "hdrcam: --skip takes a whole number, 0 to 1000000, not '" + skip + "'");
   CHECK(refused({"simulate", "walk", "--frames", "0"}) ==
         "hdrcam: --frames takes a whole number, 1 to 1000000, not '0'");
   CHECK(refused({"simulate", "walk", "--bits", "0"}) ==
