@@ -208,6 +208,8 @@ TEST_CASE("a value that is missing or no number is told with its flag and what t
   CHECK(refused({"replay", "walk.mkv", "--preset"}) == "hdrcam: --preset needs a value");
   CHECK(refused({"replay", "walk.mkv", "-o"}) == "hdrcam: --output needs a value");
   CHECK(refused({"render", "walk.mkv", "--speed", "25%"}) == "hdrcam: --speed takes a number, not '25%'");
+  for (const std::string flag : {"--speed", "--framerate", "--shutter-angle"})  // "" was 0
+    CHECK(refused({"render", "walk.mkv", flag, ""}) == "hdrcam: " + flag + " takes a number, not ''");
   for (const std::string skip : {"x", "", "99999999999"})  // "": $SKIP where it is not set, which was 0
     CHECK(refused({"compare", "clip", "out", "--skip", skip}) ==
           "hdrcam: --skip takes a whole number, 0 to 1000000, not '" + skip + "'");
