@@ -218,10 +218,18 @@ Result<void> render_recording(const RenderFlags& flags, const Settings& settings
   return ended;
 }
 
+// Without what a file of settings asks of other verbs.
+Settings of_a_film(const SettingsFlags& flags, Settings asked) {
+  for (const char* output : kOfOtherVerbs) asked.output.paths.erase(output);
+  ExrLayers& layers = asked.output.layers;
+  if (flags.given({"output.layers"}).empty())
+    layers.flow = layers.flow_forward = layers.field_flow = layers.field_flow_forward = false;
+  return asked;
+}
+
 Result<void> render(const RenderFlags& flags, const Settings& given, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "render"));
-  Settings asked = given;
-  for (const char* output : kOfOtherVerbs) asked.output.paths.erase(output);  // of a file of settings
+  const Settings asked = of_a_film(*flags.settings, given);
   if (!writes_outputs(asked.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
   const Settings settings = TRY(settings_on_recording(*flags.settings, asked));

@@ -324,7 +324,8 @@ TEST_CASE("a file of settings that names a snapshot makes one of replay and of n
 
 TEST_CASE("a file of settings that asks for motion gets a film without it", "[film]") {
   const std::string folder = sample::scratch_folder("film_config"), config = folder + "/c.toml";
-  write_file(config, "[output]\nflow_forward = \"" + folder + "/flow/%06d.flo\"\n");
+  write_file(config,
+             "[output]\nflow_forward = \"" + folder + "/flow/%06d.flo\"\nlayers = \"flow,confidence\"\n");
   std::vector<std::string> words{"render", saved().scene, "--config", config, "--time", "0.2"};
   CHECK_THAT(refused(words).err, Contains("nothing to write"));
   words.insert(words.end(), {"-o", folder + "/a/%06d.exr"});
