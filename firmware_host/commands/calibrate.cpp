@@ -170,7 +170,10 @@ void add_calibrate(CommandLine program, Verb& chosen) {
   verb.add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
       .check(names_file);
   flags->kept.add_to(verb);
-  flags->settings = std::make_unique<SettingsFlags>(verb, kGroups);
+  flags->settings = std::make_unique<SettingsFlags>(
+      verb, kGroups,
+      // two exposures in turn are measured, of a camera whose exposure can be set
+      std::vector<std::string>{"schedule.adapt", "camera.pace"});
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, calibrate); });
 }
 

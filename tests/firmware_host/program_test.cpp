@@ -97,12 +97,14 @@ TEST_CASE("the help of a verb lists no flag that it never takes") {
     std::vector<std::string> words = verb;
     words.emplace_back("--help");
     const std::string help = ran_here(words).out;
-    for (const std::string& flag : flags) CHECK_THAT(help, Contains("Machine:") && !Contains(flag + " TEXT"));
+    for (const std::string& flag : flags)
+      CHECK_THAT(help, Contains("Configuration:") && !Contains(flag + " TEXT"));
   };
   lacks({"render"}, {"--snapshot", "--flow-forward", "--flow-backward", "--field-flow-forward",
                      "--field-flow-backward", "--http-record"});
   lacks({"replay"}, {"--http-record"});
   lacks({"bench", "pareto"}, {"--trace"});
+  lacks({"calibrate"}, {"--adapt", "--pace"});
 }
 
 TEST_CASE("--version is one line") {
