@@ -44,7 +44,7 @@ Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& came
       !is_read_as_fast_as_asked(camera), flags,
       {"camera.buffers", "camera.yuv_range", "sync.line", "sync.strobe", "sync.strobe_delay",
        "sync.active_low", "sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance",
-       "sync.trigger_active_low", "record.memory_mib"},
+       "sync.trigger_active_low", "record.memory_mib", "output.http_record"},
       fmt::format("'{}' is read frame by frame as from a disk; give --pace realtime to play it as a camera",
                   camera.id));
 }

@@ -53,6 +53,9 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
                                     {"--record-memory", "64"}})
     check_refused(with({flag, value}), ErrorCode::Invalid,
                   std::string("give --pace realtime to play it as a camera, or leave out ") + flag);
+  check_refused(
+      {"live", "--camera", "replay:" + walk, "--http", "127.0.0.1:0", "--http-record", folder + "/%03d.mkv"},
+      ErrorCode::Invalid, "leave out --http-record");
   check_refused({"live", "--camera", "sim:still", "--pace", "realtime"}, ErrorCode::Invalid,
                 "give --camera replay:FILE, or leave out --pace");
   check_refused({"live", "--camera", "sim:still", "--strict"}, ErrorCode::Invalid,
