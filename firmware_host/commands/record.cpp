@@ -43,7 +43,9 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   say("{}; {}\n", counted(counters.emitted, "frame"), proof_of(counters));
   if (counters.emitted > 0) say("{}\n", settings.record.file);
   TRY(failed);
-  return ended;
+  TRY(ended);
+  const bool was_late = flags.limits.timeout_s > 0 && counters.emitted == 0;
+  return was_late ? flags.limits.ended_by(LiveEnd::Timeout, 0) : ended;
 }
 
 Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surroundings& around) {

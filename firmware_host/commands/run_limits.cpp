@@ -46,6 +46,8 @@ LiveOptions RunLimits::options(LiveWork work) const {
 }
 
 Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {
+  if (end == LiveEnd::Timeout && captured == 0)
+    return Error{ErrorCode::Timeout, "no frame came within --timeout; give more time"};
   const bool limited = frames > 0 || timeout_s > 0;
   if (end != LiveEnd::Stopped || !limited) return {};
   return Error{ErrorCode::Interrupted,

@@ -18,7 +18,8 @@ struct RunLimits {
   // The flags --frames and --timeout.
   void add_to(CommandLine verb);
   LiveOptions options(LiveWork work) const;
-  // ^C is the normal end of a run without limits; a run with limits is then Interrupted.
+  // ^C is the normal end of a run without limits; a run with limits is then Interrupted. Timeout where the
+  // time was up before the first frame.
   Result<void> ended_by(LiveEnd end, std::uint64_t captured) const;
 };
 

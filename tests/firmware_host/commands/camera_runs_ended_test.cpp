@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "firmware_host/commands/run_limits.h"
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
@@ -18,6 +19,8 @@ using namespace hdrcam;
 using test::becomes_true;
 using test::files_in;
 using test::frames_in;
+using test::ran_here;
+using test::RanHere;
 using test::require_success;
 using test::started;
 
@@ -138,6 +141,18 @@ TEST_CASE("^C before there are frames enough for an HDR frame is no failure eith
     CHECK(WEXITSTATUS(status) == (limited ? kExitInterrupted : kExitOk));
     CHECK(value_of(open_recording(posix_storage(), raw))->frame_count());
   }
+}
+
+TEST_CASE("a time limit before the first frame is a failure that a script can see") {
+  const std::string folder = sample::scratch_folder("record_too_short"), copy = folder + "/copy.mkv";
+  const RanHere run = ran_here({"record", "--camera", "replay:" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv",
+                                "--timeout", "1e-9", "-o", copy});
+  CHECK(run.exit_code == exit_code_of(ErrorCode::Timeout));
+  CHECK_THAT(run.err, Catch::Contains("no frame came within --timeout"));
+  CHECK_FALSE(std::filesystem::exists(copy));
+  const RunLimits limits{.timeout_s = 1};
+  require_error(limits.ended_by(LiveEnd::Timeout, 0), ErrorCode::Timeout);
+  CHECK(limits.ended_by(LiveEnd::Timeout, 1).ok());
 }
 
 TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {
