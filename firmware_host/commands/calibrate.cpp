@@ -155,7 +155,7 @@ Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Su
   }
   const std::string toml = to_toml(measured, {SettingGroup::Camera});
   TRY(write_whole(around.storage, flags.output, std::as_bytes(std::span(toml))));
-  say("use it with --config {}\n", flags.output);
+  say("use it with --config {}\n", shell_word(flags.output));
   return {};
 }
 

@@ -288,14 +288,16 @@ TEST_CASE("a black level that the user states reaches recording and fit, of raw 
 }
 
 TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {
-  const std::string folder = sample::scratch_folder("live_calibrated");
+  const std::string folder = sample::scratch_folder("live_calibrated"), file = folder + "/my camera.toml";
   const std::string camera = "sim:still?size=96x72&fps=100&reports=no&delay=3,1";
-  require_success({"calibrate", "delay", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,4ms",
-                   "-o", folder + "/camera.toml"});
-  const std::string toml = value_of(read_whole(posix_storage(), folder + "/camera.toml"));
+  const test::Ran calibration = test::ran(
+      {"calibrate", "delay", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,4ms", "-o", file});
+  REQUIRE(calibration.exit_code == 0);
+  CHECK(calibration.output.find("use it with --config '" + file + "'") != std::string::npos);
+  const std::string toml = value_of(read_whole(posix_storage(), file));
   CHECK(toml.find("3,1") + toml.find("[3, 1]") != 2 * std::string::npos);
-  require_success({"record", "--config", folder + "/camera.toml", "--shutter", "1ms,4ms", "--frames", "60",
-                   "-o", folder + "/raw.mkv"});
+  require_success(
+      {"record", "--config", file, "--shutter", "1ms,4ms", "--frames", "60", "-o", folder + "/raw.mkv"});
   const auto frames = frames_in(folder + "/raw.mkv");
   REQUIRE(frames.size() == 60);
   int flagged = 0;

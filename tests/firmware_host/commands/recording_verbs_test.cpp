@@ -258,6 +258,10 @@ TEST_CASE("repair writes the whole frames of a cut or damaged recording, each wi
   SECTION("damaged") {
     FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
     CHECK(sample::error_of(hdrcam_verb("info " + path, disk)).code == ErrorCode::Corrupt);
+    const std::string spaced = folder + "/my walk.mkv";
+    std::filesystem::copy_file(path, spaced);
+    CHECK(sample::error_of(hdrcam_verb("info '" + spaced + "'", disk))
+              .message.find("'hdrcam repair '" + spaced + "' -o FILE'") != std::string::npos);
     REQUIRE(hdrcam_verb(line, disk).ok());
     const auto whole = sample::replay(posix_storage(), repaired);
     CHECK_FALSE(whole.error);
