@@ -16,7 +16,6 @@ CameraMotion motion_between(const RigidTransform& before, const RigidTransform& 
 const CameraPose& GivenPose::next(const FrameFacts& facts) {
   const RigidTransform given = facts.T_world_camera ? transform_of(*facts.T_world_camera) : RigidTransform{};
   pose_.lost = !facts.T_world_camera || !given.finite();
-  pose_.inlier_share = pose_.lost ? 0.0f : 1.0f;
   pose_.motion = CameraMotion::Static;
   if (pose_.lost) return pose_;
   if (!started_) T_first_world_ = given.inverse(), started_ = true;

@@ -236,22 +236,4 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
     }
 }
 
-void PointTracks::depth_samples(const RigidTransform& T_camera_world,
-                                std::vector<DepthSample>& samples) const {
-  samples.clear();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const ScenePoint& point = points_[i];
-    if (!point.seen || histories_[i].outlier > 0 || histories_[i].age == 0) continue;
-    const double measured = std::max(0.0, point.information - histories_[i].seed_information);
-    const double squared = point.inverse_depth * point.inverse_depth * measured;
-    const double z = (T_camera_world.R * point.direction_world +
-                      point.inverse_depth * (T_camera_world.R * point.origin_world + T_camera_world.t))
-                         .z();
-    if (!(z > 0)) continue;
-    samples.push_back({static_cast<float>(point.seen_px.x()), static_cast<float>(point.seen_px.y()),
-                       static_cast<float>(point.inverse_depth / z),
-                       static_cast<float>(squared / (1 + squared))});
-  }
-}
-
 }  // namespace hdrcam

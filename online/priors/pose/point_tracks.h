@@ -8,7 +8,6 @@
 
 #include "online/pictures/flow_field.h"
 #include "online/priors/pose/pose_fit.h"
-#include "online/priors/pose/pose_prior.h"
 
 namespace hdrcam {
 
@@ -57,8 +56,6 @@ class PointTracks {
   // Fills the empty cells. confidence: [1, rows, cols] of this frame's flow, or empty: everywhere.
   void seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
             const RigidTransform& T_camera_world, bool depth_known);
-  // The seen points with their depth from parallax.
-  void depth_samples(const RigidTransform& T_camera_world, std::vector<DepthSample>& samples) const;
 
   std::span<const ScenePoint> points() const { return points_; }
   void inverse_depths(std::vector<double>& depths) const;

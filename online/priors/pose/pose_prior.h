@@ -8,7 +8,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
@@ -22,19 +21,10 @@ namespace hdrcam {
 // kept.
 enum class CameraMotion { Static, Rotation, General };
 
-// A tracked point of the scene as this frame sees it.
-struct DepthSample {
-  float u_px = 0, v_px = 0;  // pixel centres at +0.5
-  float inverse_depth = 0;   // 1 / camera z, in 1 / unit of length, >= 0
-  float weight = 0;          // d^2 / (d^2 + sigma_d^2): 1 known, 0.5 where sigma_d equals d, 0 unknown
-};
-
 struct CameraPose {
   RigidTransform T_world_camera;
   CameraMotion motion = CameraMotion::Static;
-  float inlier_share = 1;                  // share of the tracked points that agree with the pose, 0..1
-  bool lost = false;                       // the pose only continues what was before
-  std::vector<DepthSample> depth_samples;  // empty unless tracked
+  bool lost = false;  // the pose only continues what was before
 };
 
 class PosePrior {

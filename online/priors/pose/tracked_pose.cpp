@@ -110,7 +110,6 @@ const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowFiel
   const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
   if (!started_) start(from_previous);
   track(from_previous);
-  tracks_.depth_samples(T_camera_world_, pose_.depth_samples);
   tracks_.coast(lens_, T_camera_world_, rows, cols);
   if (!depth_known_) tracks_.restart_when_thin();
   tracks_.seed(to_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
@@ -137,7 +136,7 @@ void TrackedPose::track(const FlowField& from_previous) {
   if (is_static(turned)) {
     tracks_.settle(lens_, T_camera_world_);
     note_velocity(T_camera_world_);
-    return accept(T_camera_world_, CameraMotion::Static, tracks_.static_share(options_.static_px));
+    return accept(T_camera_world_, CameraMotion::Static);
   }
   if (depth_known_)
     follow_translation(turned);
@@ -153,14 +152,14 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
   const bool was_moving = pose_.motion == CameraMotion::General;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain)) {
     note_velocity(turned.T_camera_world);
-    return accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
+    return accept(turned.T_camera_world, CameraMotion::Rotation);
   }
   tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world, errors_),
                       kNoiseLearning);
   tracks_.learn(depths_, lens_, moved.T_camera_world);
   // a position that catches up is not how fast the camera moves
   note_velocity(was_moving ? moved.T_camera_world : turned.T_camera_world);
-  accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
+  accept(moved.T_camera_world, CameraMotion::General);
 }
 
 // No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the
@@ -168,7 +167,7 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
 // parallax is clear; until then the pose only rotates.
 void TrackedPose::find_translation(const PoseFit& turned) {
   note_velocity(turned.T_camera_world);
-  accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
+  accept(turned.T_camera_world, CameraMotion::Rotation);
   const auto points = tracks_.points();
   if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
 
@@ -191,7 +190,7 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   tracks_.learn_noise(first.noise, 1);
   choose_unit(first);
   tracks_.learn(first.inverse_depths, lens_, first.T_camera_world);
-  accept(first.T_camera_world, CameraMotion::General, turned.inlier_share);
+  accept(first.T_camera_world, CameraMotion::General);
 }
 
 // The median depth becomes the unit of length.
@@ -217,10 +216,9 @@ void TrackedPose::note_velocity(const RigidTransform& T_camera_world) {
   T_camera_previous_ = T_camera_world * T_camera_world_.inverse();
 }
 
-void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share) {
+void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion) {
   T_camera_world_ = T_camera_world;
   pose_.motion = motion;
-  pose_.inlier_share = static_cast<float>(inlier_share);
   pose_.lost = false;
 }
 
@@ -231,7 +229,6 @@ void TrackedPose::lose() {
   T_camera_world_ = T_camera_previous_ * T_camera_world_;
   T_camera_world_.R = orthonormal(T_camera_world_.R);
   tracks_.mark_all_unseen();
-  pose_.inlier_share = 0;
   pose_.lost = true;
 }
 

@@ -49,7 +49,7 @@ class TrackedPose final : public PosePrior {
   void choose_unit(Heading& first);
   bool is_static(const PoseFit& turned) const;
   void note_velocity(const RigidTransform& T_camera_world);
-  void accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share);
+  void accept(const RigidTransform& T_camera_world, CameraMotion motion);
   void lose();
 
   TrackerOptions options_;
