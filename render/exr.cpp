@@ -338,8 +338,7 @@ std::optional<int> ExrImage::find(std::string_view name) const {
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector<std::byte> room) {
   HDRCAM_CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
   for (const ExrChannel& channel : picture.channels) {
-    HDRCAM_CHECK_EQ(channel.samples.size(),
-                    static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
+    HDRCAM_CHECK_EQ(channel.samples.size(), pixel_count(picture.rows, picture.cols));
     if (channel.stored == ExrSample::Float) HDRCAM_CHECK(all_finite(channel.samples));
   }
   try {

@@ -10,6 +10,7 @@
 #include "firmware_host/film/steady_path.h"
 #include "firmware_host/settings/seconds_text.h"
 #include "firmware_host/settings/without_field.h"
+#include "hal/core/image.h"
 #include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/recording.h"
@@ -141,10 +142,6 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
   return {};
 }
 
-std::uint64_t pixels(int width, int height) {
-  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-}
-
 }  // namespace
 
 Result<FilmedRecording> look_through(Storage& storage, const std::string& path) {
@@ -195,7 +192,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
 
 std::uint64_t view_bytes(const FilmPlan& plan) {
   constexpr std::uint64_t kView = 400;  // of a pixel: meshes, what they show, the field's view, both eyes
-  return kView * pixels(plan.width, plan.height);
+  return kView * pixel_count(plan.height, plan.width);
 }
 
 std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording) {
@@ -203,7 +200,7 @@ std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording)
   const double kept_s = std::min(recording.duration_s,
                                  plan.scene_shutter_s() + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0));
   const auto keyframes = static_cast<std::uint64_t>(kept_s * recording.framerate_hz) + 4;
-  return kKeyframe * keyframes * pixels(recording.width, recording.height) + view_bytes(plan);
+  return kKeyframe * keyframes * pixel_count(recording.height, recording.width) + view_bytes(plan);
 }
 
 }  // namespace hdrcam

@@ -4,6 +4,7 @@
 
 #include "firmware_host/film/steady_path.h"
 #include "firmware_host/version.h"
+#include "hal/core/image.h"
 
 namespace hdrcam {
 
@@ -56,9 +57,9 @@ std::uint64_t kept_scene_bytes(int width, int height, int frames, int field_step
   constexpr std::uint64_t kSaving = 120;  // of a pixel: two whole keyframes and the search of their motion
   constexpr std::uint64_t kField = 100;   // of a pixel of the field and frame that a snapshot keeps
   constexpr std::uint64_t kNetworks = 8 << 20;  // of a snapshot
-  const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const auto count = static_cast<std::uint64_t>(frames), step = static_cast<std::uint64_t>(field_step_px);
-  return pixels * (kPicture * count + kInput + kSaving + kField * 2 * count / (step * step)) +
+  return pixel_count(height, width) *
+             (kPicture * count + kInput + kSaving + kField * 2 * count / (step * step)) +
          kNetworks * count;
 }
 

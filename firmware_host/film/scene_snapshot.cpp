@@ -104,7 +104,7 @@ Result<Response> read_response(SectionReader& file) {
 
 Result<void> read_codes(SectionReader& file, int rows, int cols, Image<float>& codes) {
   TRY(file.begin(kInput));
-  const std::uint64_t pixels = static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(cols);
+  const std::uint64_t pixels = pixel_count(rows, cols);
   if (file.length() != 3 * sizeof(float) * pixels) return file.wrong("it is not as large as its picture");
   codes.reshape(3, rows, cols);
   TRY(file.read(std::as_writable_bytes(codes.samples())));

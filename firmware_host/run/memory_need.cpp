@@ -8,6 +8,7 @@
 #include "firmware_host/film/scene_keeper.h"
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/sinks/async_sink.h"
+#include "hal/core/image.h"
 
 namespace hdrcam {
 namespace {
@@ -22,24 +23,20 @@ constexpr std::uint64_t kWrittenFrame = 20;  // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
 constexpr std::uint64_t kCodec = 24;  // packets and pictures of a recording's codec
 
-std::uint64_t pixels(int width, int height) {
-  return static_cast<std::uint64_t>(std::max(0, width)) * static_cast<std::uint64_t>(std::max(0, height));
-}
-
 }  // namespace
 
 std::uint64_t recording_bytes(const CameraFacts& camera) {
   const std::uint64_t frame = sizeof(std::uint16_t) * static_cast<std::uint64_t>(channels(camera.layout));
-  return pixels(camera.width, camera.height) *
+  return pixel_count(camera.height, camera.width) *
          (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
 }
 
 std::uint64_t sink_bytes(int width, int height, const Settings& settings) {
-  const std::uint64_t frame = kQueuedFrame * pixels(width, height);
+  const std::uint64_t frame = kQueuedFrame * pixel_count(height, width);
   std::uint64_t sinks = 0;
   for (const auto& [sink, path] : settings.output.paths)
     if (!path.empty() && sink != Settings::Output::kSnapshot)
-      sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixels(width, height);
+      sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixel_count(height, width);
   return sinks;
 }
 
@@ -60,21 +57,21 @@ std::uint64_t method_bytes(int width, int height, const Settings& settings, Fiel
   if (!settings.output.path(Settings::Output::kSnapshot).empty())
     scene = kept_scene_bytes(width, height, knobs.hash_grid.window.frames,
                              field_step_px(knobs.field_step, height, width));
-  return per_pixel * pixels(width, height) + scene;
+  return per_pixel * pixel_count(height, width) + scene;
 }
 
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,
                             int most_waiting) {
   constexpr std::uint64_t kBytes = 3 * sizeof(std::uint16_t);  // of a pixel, at most
-  const std::uint64_t frame = kBytes * pixels(width, height);
+  const std::uint64_t frame = kBytes * pixel_count(height, width);
   const std::uint64_t waiting = std::clamp(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
                                            frame * static_cast<std::uint64_t>(fewest_waiting),
                                            frame * static_cast<std::uint64_t>(most_waiting));
   return waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
-         kCodec * pixels(width, height);
+         kCodec * pixel_count(height, width);
 }
 
-std::uint64_t simulator_bytes(int width, int height) { return kSimulator * pixels(width, height); }
+std::uint64_t simulator_bytes(int width, int height) { return kSimulator * pixel_count(height, width); }
 
 Result<void> admit_parts(const Settings& settings, const std::string& what, std::uint64_t bytes) {
   return memory_limit(settings).admit(what, kProgramBytes + bytes);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <span>
@@ -15,6 +16,11 @@
 #include "hal/core/check.h"
 
 namespace hdrcam {
+
+// Of a picture of this size, to reckon bytes from; 0 where a side is not positive.
+constexpr std::uint64_t pixel_count(int rows, int cols) {
+  return static_cast<std::uint64_t>(std::max(0, rows)) * static_cast<std::uint64_t>(std::max(0, cols));
+}
 
 template <class T>
 class Image {

@@ -323,9 +323,9 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
 
 // From the last whole frame on.
 void MatroskaReader::begin_search(const std::string& damage) {
-  const std::uint64_t frame_bytes = std::uint64_t{2} * static_cast<std::uint64_t>(channels(camera_.layout)) *
-                                    static_cast<std::uint64_t>(camera_.width) *
-                                    static_cast<std::uint64_t>(camera_.height);
+  const std::uint64_t frame_bytes = sizeof(std::uint16_t) *
+                                    static_cast<std::uint64_t>(channels(camera_.layout)) *
+                                    pixel_count(camera_.height, camera_.width);
   constexpr std::uint64_t kFactsBytes = 1 << 20;  // at most; a picture takes less than twice its codes
   scan_.emplace(container_.stream->file(), facts_at_,
                 std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX), facts_end_);

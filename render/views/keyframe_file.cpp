@@ -54,7 +54,7 @@ Result<void> save_pictures(const Keyframe& key, SectionWriter& file) {
 
 Result<void> load_pictures(SectionReader& file, int rows, int cols, Keyframe& key) {
   TRY(file.begin(kSection));
-  const std::uint64_t pixels = static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(cols);
+  const std::uint64_t pixels = pixel_count(rows, cols);
   const bool moves = file.length() == pixels * (kStillBytes + kMotionBytes);
   if (!moves && file.length() != pixels * kStillBytes)
     return file.wrong("it is not as large as its pictures");

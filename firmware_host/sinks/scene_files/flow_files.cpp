@@ -12,7 +12,7 @@ static_assert(std::endian::native == std::endian::little);
 
 std::vector<std::byte> encode_flo(const Image<float>& flow, int rows, int cols) {
   HDRCAM_CHECK((flow.empty() || (flow.channels() == 2 && flow.rows() == rows && flow.cols() == cols)));
-  const std::size_t pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  const std::size_t pixels = pixel_count(rows, cols);
   std::vector<float> vectors(2 * pixels, kUnknownFlow);
   for (std::size_t i = 0; !flow.empty() && i < pixels; ++i)
     vectors[2 * i] = flow.plane(0)[i], vectors[2 * i + 1] = flow.plane(1)[i];

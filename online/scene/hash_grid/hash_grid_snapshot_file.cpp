@@ -112,8 +112,7 @@ bool is_usual(const BasePixel& pixel) {
 
 Result<void> load_base(SectionReader& file, const WindowFrustum& frustum, Image<BasePixel>& base) {
   TRY(file.begin(kBase));
-  const std::uint64_t pixels =
-      static_cast<std::uint64_t>(frustum.rows) * static_cast<std::uint64_t>(frustum.cols);
+  const std::uint64_t pixels = pixel_count(frustum.rows, frustum.cols);
   if (file.length() != pixels * sizeof(BasePixel)) return file.wrong("it is not as large as its frame");
   base.reshape(1, frustum.rows, frustum.cols);
   TRY(file.read(std::as_writable_bytes(base.samples())));

@@ -43,3 +43,9 @@ TEST_CASE("rows of a picture lie one after the other, plane after plane, from a 
   CHECK(picture.plane(1) == picture.plane(0) + 15);
   CHECK(&picture.at(1, 2, 4) == picture.samples().data() + picture.size() - 1);
 }
+
+TEST_CASE("the pixels of a picture are counted beyond what an int holds, and a side below 1 has none") {
+  CHECK(pixel_count(3, 5) == 15);
+  CHECK(pixel_count(1 << 20, 1 << 20) == std::uint64_t{1} << 40);
+  CHECK(pixel_count(-2, 5) == 0);
+}
