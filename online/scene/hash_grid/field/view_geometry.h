@@ -9,6 +9,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
+#include "online/scene/hash_grid/field/view_constants.h"
 
 namespace hdrcam {
 
@@ -95,10 +96,11 @@ class ViewGeometry {
   static T inverse_depth(T d) { return (d - kDepthOffset) / kDepthScale; }
 
   // z over the near distance, at least
-  static constexpr T kNearest = T(0.05);
+  static constexpr T kNearest = T(view_constants::kNearest);
 
  private:
-  static constexpr T kDepthOffset = T(0.01), kDepthScale = T(0.98);
+  static constexpr T kDepthOffset = T(view_constants::kDepthOffset),
+                     kDepthScale = T(view_constants::kDepthScale);
   T focal_[2], centre_[2], size_[2], margin_;
   T to_anchor_[3][4], from_anchor_[3][4];  // translation over the near distance
 };

@@ -1,7 +1,7 @@
 // Cameras that look into window space; the twin is ../view_geometry.h. Includers declare `focal`, `centre`,
 // `size`, `margin` and `views`.
 //   views  [camera][to anchor 3x4, from anchor 3x4], translations over the near plane
-const float kNearest = 0.05, kDepthOffset = 0.01, kDepthScale = 0.98;
+#include "online/scene/hash_grid/field/view_constants.h"
 
 struct View {
   vec4 x, y, z;  // rows
