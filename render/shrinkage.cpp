@@ -85,25 +85,22 @@ void Shrinkage::to_opponent(const Image<float>& radiance, const Image<float>& va
 void Shrinkage::shrink_tiles(const ShrinkageThresholds& thresholds, const ShrinkageGrid& grid) {
   const int rows = opponent_.rows(), cols = opponent_.cols();
   const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
-  const int last = (rows - kShrinkageTile + grid.line_step - 1) / grid.line_step;
+  const int lines = grid.lines(rows), in_step = grid.lines_in_step(rows);
   const auto shrink = [&](int c, int line) {
     const int y = std::min(line * grid.line_step, rows - kShrinkageTile);
     const auto& table = c == 0 ? luminance : chroma;
     shrinkage_kernels().shrink({.opponent = opponent_.row(c, y),
                                 .noise = noise_.row(c, y),
                                 .thresholds = table.data(),
-                                .first = line < last ? line % 2 * grid.shift : 0,
+                                .first = line < lines - 1 ? line % 2 * grid.shift : 0,
                                 .cols = cols,
                                 .sum = sum_.row(c, y),
                                 .weight = weight_.row(c, y)});
   };
-  // Lines of tiles that are a tile apart do not overlap: passes of independent lines, then the last line if
-  // it is out of step.
-  const int in_step = (rows - kShrinkageTile) / grid.line_step, passes = kShrinkageTile / grid.line_step;
-  for (int pass = 0; pass < passes; ++pass)
-    pool_.for_each((in_step + passes - pass) / passes * 3,
-                   [&](int i) { shrink(i % 3, i / 3 * passes + pass); });
-  if (last > in_step) pool_.for_each(3, [&](int c) { shrink(c, last); });
+  for (int pass = 0; pass < grid.passes(); ++pass)
+    pool_.for_each(3 * grid.lines_of_pass(pass, rows),
+                   [&](int i) { shrink(i % 3, i / 3 * grid.passes() + pass); });
+  if (lines > in_step) pool_.for_each(3, [&](int c) { shrink(c, lines - 1); });
 }
 
 void Shrinkage::to_radiance(float offset, Image<float>& radiance) {

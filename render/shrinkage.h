@@ -11,6 +11,7 @@
 #include "hal/core/worker_pool.h"
 #include "hal/gpu/gpu_device.h"
 #include "online/frame_budget.h"
+#include "render/shrinkage_constants.h"
 
 namespace hdrcam {
 
@@ -31,6 +32,22 @@ constexpr ShrinkageThresholds thresholds_of(NoiseOrigin origin) {
 // last `shift` pixels later. The last of either ends with the picture.
 struct ShrinkageGrid {
   int line_step, shift;
+
+  // Of a picture of at least one tile.
+  constexpr int lines(int rows) const { return tiles_along(rows, line_step); }
+  constexpr int columns(int cols) const { return tiles_along(cols, kShrinkageStep); }  // of unshifted lines
+  // Those that begin at a multiple of the step: all lines, or all but the last.
+  constexpr int lines_in_step(int rows) const { return (rows - kShrinkageTile) / line_step + 1; }
+  // Lines that are a tile apart do not overlap: pass i of so many has the lines i, i + passes(), .. in step.
+  constexpr int passes() const { return kShrinkageTile / line_step; }
+  constexpr int lines_of_pass(int pass, int rows) const {
+    return (lines_in_step(rows) - pass + passes() - 1) / passes();
+  }
+
+ private:
+  static constexpr int tiles_along(int pixels, int step) {
+    return (pixels - kShrinkageTile + step - 1) / step + 1;
+  }
 };
 constexpr ShrinkageGrid grid_of(ShrinkageEffort effort) {
   return effort == ShrinkageEffort::Dense ? ShrinkageGrid{2, 2} : ShrinkageGrid{4, 0};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "online/priors/motion/clipped_motion_kernels.h"
+#include "online/priors/motion/flow_effort.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/priors/motion/refinement_kernels.h"
 
@@ -75,9 +76,7 @@ void add_flow(KernelTasks& tasks, const SharedRoom& room) {
   constexpr int kStride = 4, kSteps = 4;
   const int rows = room->rows, cols = room->cols;
   const FlowKernels& kernels = flow_kernels();
-  const PatchGrid grid{.rows = 1 + (rows - kPatchSize + kStride - 1) / kStride,
-                       .cols = 1 + (cols - kPatchSize + kStride - 1) / kStride,
-                       .stride = kStride};
+  const PatchGrid grid = patch_grid(rows, cols, kStride);
   const auto patches = std::make_shared<Image<float>>(2, grid.rows, grid.cols);
   const auto search = [room, patches, grid] {
     return PatchSearch{.from = room->pictures[0],

@@ -6,11 +6,6 @@
 #include "render/vulkan/shrink.comp.h"
 
 namespace hdrcam {
-namespace {
-
-int tiles_along(int pixels, int step) { return (pixels - kShrinkageTile + step - 1) / step + 1; }
-
-}  // namespace
 
 Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device, WorkerPool& pool) {
   const std::array<GpuShader, kPasses> shaders{
@@ -39,8 +34,7 @@ Result<void> VulkanShrinkage::reserve(int rows, int cols, int tile_rows, int til
 }
 
 void VulkanShrinkage::shrink(GpuWork& work, const Tiles& tiles, const ShrinkageThresholds& thresholds) const {
-  // Lines of tiles that are a tile apart, then the last line if it is out of step.
-  const int in_step = (tiles.rows - kShrinkageTile) / tiles.grid.line_step + 1;
+  const int in_step = tiles.grid.lines_in_step(tiles.rows), passes = tiles.grid.passes();
   const auto run = [&](int first_line, int line_stride, int lines) {
     for (int part = 0; part < 3; ++part) {
       const struct {
@@ -52,9 +46,8 @@ void VulkanShrinkage::shrink(GpuWork& work, const Tiles& tiles, const ShrinkageT
                {part < 2 ? (tiles.tile_cols + 1) / 2 : 1, lines, 3});
     }
   };
-  const int apart = kShrinkageTile / tiles.grid.line_step;
-  for (int first = 0; first < std::min(apart, in_step); ++first)
-    run(first, apart, (in_step - first + apart - 1) / apart);
+  for (int pass = 0; pass < std::min(passes, in_step); ++pass)
+    run(pass, passes, tiles.grid.lines_of_pass(pass, tiles.rows));
   if (tiles.tile_rows > in_step) run(in_step, 1, 1);
 }
 
@@ -63,7 +56,7 @@ Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& 
   const GpuTurn turn(device_, &pool_);
   const int rows = radiance.rows(), cols = radiance.cols();
   const ShrinkageGrid grid = grid_of(options.effort);
-  const Tiles tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kShrinkageStep), grid};
+  const Tiles tiles{rows, cols, grid.lines(rows), grid.columns(cols), grid};
   TRY(reserve(rows, cols, tiles.tile_rows, tiles.tile_cols));
   GpuWork& work = device_.work();
   upload(work, radiance, radiance_);
