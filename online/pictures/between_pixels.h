@@ -1,6 +1,8 @@
 // A picture between its pixels, one place after the other: for those who ask for few places. Whole pictures
 // are read along a flow by warp.h. priors/depth/grid_sample.h, the point tracks' sample_flow and the field's
-// fetch_base weigh the same pixels by other formulas, with other last bits, so they stay apart. Reentrant.
+// fetch_base weigh the same pixels by other formulas, with other last bits, so they stay apart; and so do the
+// weights of Catmull and Rom in the kernels, texture_error.cpp and render/views/cubic_between_pixels.h.
+// Reentrant.
 #pragma once
 
 #include <algorithm>
