@@ -7,6 +7,7 @@
 
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "render/scores/scores_json.h"
@@ -30,7 +31,7 @@ Result<PointCost> measure(const CostPoint& point, const std::string& clip, const
                           const std::atomic<bool>& stop) {
   settings.fit = point.fit;
   settings.output = {};  // a layer or a white balance would be part of the time and of the error
-  settings.output.paths = {{"frames", scratch + "/%06d.exr"}};
+  settings.output.paths = {{std::string(sink_name::kFrames), scratch + "/%06d.exr"}};
   settings.output.compression = FrameCompression::None;
   PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};
   const Scratch removed{scratch};

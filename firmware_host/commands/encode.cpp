@@ -18,6 +18,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/hdr_video.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
@@ -153,7 +154,7 @@ Result<void> check_video_named(const std::string& output) {
 // A file of settings serves other verbs, too: what it says of a camera or of other outputs does not count.
 Result<void> check_flags(const EncodeFlags& flags, const Settings& settings, const std::string& output) {
   Settings used;
-  used.output.paths["frames"] = output;
+  used.output.paths.emplace(sink_name::kFrames, output);
   used.video = settings.video;
   TRY(check_ignored_flags(*flags.settings, used));
   if (settings.video.pipe != PipeFormat::Half) TRY(check_video(settings.video));
@@ -172,8 +173,9 @@ class EncodedFiles {
     if (!sink_) {
       warn_of_primaries(image, file);
       camera_.framerate_hz = TRY(framerate_of(image, file, settings_.camera.framerate_hz));
-      sink_ = TRY(open_sink(
-          "frames", {.path = output_, .camera = camera_, .video = settings_.video, .storage = storage_}));
+      sink_ =
+          TRY(open_sink(sink_name::kFrames,
+                        {.path = output_, .camera = camera_, .video = settings_.video, .storage = storage_}));
     }
     const HdrFrame frame = TRY(frame_of(image, file, first_, settings_, camera_.framerate_hz));
     return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
@@ -197,7 +199,8 @@ Error stopped_after(std::size_t frames, std::size_t all) {
 }
 
 Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
-  const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
+  const std::string output =
+      with_start_time(settings, posix_clock().wall_time()).output.path(sink_name::kFrames);
   TRY(check_video_named(output));
   TRY(check_flags(flags, settings, output));
   const FramePattern pattern = TRY(pattern_of(around.storage, flags.frames));

@@ -5,6 +5,7 @@
 #include "firmware_host/commands/camera_run.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/setting_fields.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
@@ -60,17 +61,18 @@ Result<void> check_lines(const SettingsFlags& flags, const Settings::Sync& sync)
 }
 
 Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output& output) {
-  return refuse_unless(!output.path("http").empty(), flags, {"output.http_token", "output.http_record"},
+  return refuse_unless(!output.path(sink_name::kHttp).empty(), flags,
+                       {"output.http_token", "output.http_record"},
                        "this run has no live page; give --http 127.0.0.1:8080");
 }
 
 // What only some outputs have.
 Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output& output,
                               const VideoOptions& options) {
-  const std::string& frames = output.path("frames");
+  const std::string& frames = output.path(sink_name::kFrames);
   const bool files = frames.ends_with(".exr"), pipe = frames == kStandardOutput,
-             video = video_container_of(frames).has_value() || !output.path("video").empty(),
-             page = !output.path("http").empty(),
+             video = video_container_of(frames).has_value() || !output.path(sink_name::kVideo).empty(),
+             page = !output.path(sink_name::kHttp).empty(),
              shown = video || (pipe && options.pipe != PipeFormat::Half);  // bare radiance is not
   TRY(refuse_unless(files, flags, {"output.layers"}, "this run writes no EXR files; give -o out/%06d.exr"));
   TRY(refuse_unless(files || page, flags, {"output.compression"},

@@ -19,6 +19,7 @@
 #include "firmware_host/run/snapshot_film.h"
 #include "firmware_host/sinks/ldr_frames.h"
 #include "firmware_host/sinks/run_record.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/terminal.h"
 #include "hal/video/video_writer.h"
 
@@ -49,7 +50,7 @@ Result<void> check_motion(const Settings& settings) {
 
 // 8-bit pictures go where 8-bit pictures can go.
 Result<void> check_pictures(const FilmPlan& plan, const Settings& settings) {
-  const std::string& frames = settings.output.path("frames");
+  const std::string& frames = settings.output.path(sink_name::kFrames);
   if (!plan.exposure) {
     if (is_png(frames))
       return Error{
@@ -70,7 +71,7 @@ Result<void> check_pictures(const FilmPlan& plan, const Settings& settings) {
 // A picture for two eyes has no one lens.
 Result<void> check_poses(const FilmPlan& plan, const Settings& settings) {
   if (plan.baseline <= 0) return {};
-  for (const char* sink : {"transforms", "colmap"})
+  for (const std::string_view sink : {sink_name::kTransforms, sink_name::kColmap})
     if (!settings.output.path(sink).empty())
       return Error{
           ErrorCode::Invalid,

@@ -11,6 +11,7 @@
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/sink_name.h"
 
 namespace hdrcam {
 namespace {
@@ -47,13 +48,13 @@ bool is_numbered_only(const std::string& frames) {
 Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "replay"));
   TRY(check_no_snapshot(around.storage, flags.recording));
-  if (!flags.truth.empty() && !asked.output.path("frames").ends_with(".exr"))
+  if (!flags.truth.empty() && !asked.output.path(sink_name::kFrames).ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
-  if (!flags.truth.empty() && !is_numbered_only(asked.output.path("frames")))
+  if (!flags.truth.empty() && !is_numbered_only(asked.output.path(sink_name::kFrames)))
     return Error{ErrorCode::Invalid,
                  fmt::format("--truth scores frames that are named by their number alone; give --output "
                              "out/%06d.exr instead of '{}'",
-                             asked.output.path("frames"))};
+                             asked.output.path(sink_name::kFrames))};
   if (!flags.truth.empty()) TRY(check_clip_folder(around.storage, flags.truth));
   if (!writes_outputs(asked.output))
     return Error{

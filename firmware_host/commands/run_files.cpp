@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/video/video_writer.h"
 
@@ -24,15 +25,15 @@ std::string long_flag_of(const SinkKind& sink) {
 
 // A page or pictures that are named like one by mistake are none.
 bool is_video(const SinkKind& sink, const std::string& path) {
-  const std::string_view name = sink.name;
-  return (name == "frames" || name == "video") && video_container_of(path).has_value();
+  return (sink.name == sink_name::kFrames || sink.name == sink_name::kVideo) &&
+         video_container_of(path).has_value();
 }
 
 NamedOutput file_of(const SinkKind& sink, const std::string& path) {
   const std::string flag = long_flag_of(sink);
   if (is_video(sink, path)) return {flag, path, OutputKind::Recording};
   if (sink.extension != nullptr) return {flag, path, OutputKind::Frames, sink.extension};
-  const bool picture = std::string_view(sink.name) == "sheet";
+  const bool picture = sink.name == sink_name::kSheet;
   return {flag, path, picture ? OutputKind::Picture : OutputKind::Page};
 }
 
@@ -49,7 +50,7 @@ std::vector<NamedOutput> files_of(const SinkKind& sink, const std::string& path)
     return {};  // replaces nothing
   if (sink.target == SinkTarget::Model) return files_of_model(sink, path);
   std::vector<NamedOutput> files{file_of(sink, path)};
-  if (std::string_view(sink.name) == "frames" && files.front().kind == OutputKind::Frames)
+  if (sink.name == sink_name::kFrames && files.front().kind == OutputKind::Frames)
     if (const auto pattern = FramePattern::parse(files.front().flag, path, sink.extension))
       files.push_back({"the list beside --output", FrameLedger::path_beside(pattern.value())});
   return files;

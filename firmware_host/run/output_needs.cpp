@@ -6,6 +6,7 @@
 #include "firmware_host/settings/without_field.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/live_view/live_view.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/http_address.h"
@@ -18,7 +19,7 @@ namespace {
 struct MotionOrDepth {
   const char* word;  // of --layers
   bool ExrLayers::*layer;
-  const char* sink;
+  std::string_view sink;
   const char* flag;
   bool OutputNeeds::*need;
   bool is_motion = false, is_of_field = false;
@@ -26,39 +27,39 @@ struct MotionOrDepth {
 constexpr MotionOrDepth kMotionAndDepth[] = {
     {.word = "depth",
      .layer = &ExrLayers::depth,
-     .sink = "depth",
+     .sink = sink_name::kDepth,
      .flag = "--depth",
      .need = &OutputNeeds::depth,
      .is_of_field = true},
     {.word = "flow",
      .layer = &ExrLayers::flow,
-     .sink = "flow_backward",
+     .sink = sink_name::kFlowBackward,
      .flag = "--flow-backward",
      .need = &OutputNeeds::flow_backward,
      .is_motion = true},
     {.word = "flow_forward",
      .layer = &ExrLayers::flow_forward,
-     .sink = "flow_forward",
+     .sink = sink_name::kFlowForward,
      .flag = "--flow-forward",
      .need = &OutputNeeds::flow_forward,
      .is_motion = true},
     {.word = "field_flow",
      .layer = &ExrLayers::field_flow,
-     .sink = "field_flow_backward",
+     .sink = sink_name::kFieldFlowBackward,
      .flag = "--field-flow-backward",
      .need = &OutputNeeds::field_flow,
      .is_motion = true,
      .is_of_field = true},
     {.word = "field_flow_forward",
      .layer = &ExrLayers::field_flow_forward,
-     .sink = "field_flow_forward",
+     .sink = sink_name::kFieldFlowForward,
      .flag = "--field-flow-forward",
      .need = &OutputNeeds::field_flow,
      .is_motion = true,
      .is_of_field = true},
 };
 
-bool is_written(const Settings::Output& output, const char* sink) { return !output.path(sink).empty(); }
+bool is_written(const Settings::Output& output, std::string_view sink) { return !output.path(sink).empty(); }
 
 // The first of them that is wanted, as it was asked for; "" for none.
 std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kind) {
@@ -83,8 +84,8 @@ OutputNeeds needs_of(const Settings::Output& output) {
   OutputNeeds needs;
   for (const MotionOrDepth& one : kMotionAndDepth)
     if (output.layers.*one.layer || is_written(output, one.sink)) needs.*one.need = true;
-  needs.poses = is_written(output, "transforms") || is_written(output, "colmap");
-  needs.points = is_written(output, "colmap");
+  needs.poses = is_written(output, sink_name::kTransforms) || is_written(output, sink_name::kColmap);
+  needs.points = is_written(output, sink_name::kColmap);
   needs.scene = is_written(output, Settings::Output::kSnapshot);
   return needs;
 }
@@ -119,7 +120,7 @@ Result<std::optional<ChannelGains>> white_balance_of(const Settings::Output& out
 }
 
 void write_result_beside_frames(const Settings::Output& output, std::string_view text) {
-  (output.path("frames") == kStandardOutput ? write_remark : write_result)(text);
+  (output.path(sink_name::kFrames) == kStandardOutput ? write_remark : write_result)(text);
 }
 
 Result<void> check_needs(const Settings& settings) {
@@ -132,17 +133,17 @@ Result<void> check_needs(const Settings& settings) {
         ErrorCode::Invalid,
         "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
         "name a file"};
-  if (const std::string& address = settings.output.path("http"); !address.empty()) {
+  if (const std::string& address = settings.output.path(sink_name::kHttp); !address.empty()) {
     TRY(parse_http_address(address));
     TRY(check_http_token(settings.output.http_token));
   }
   if (needs_of(settings.output).poses) {
-    TRY(check_numbered("--output", settings.output.path("frames")));
-    TRY(check_numbered("--preview", settings.output.path("preview")));
+    TRY(check_numbered("--output", settings.output.path(sink_name::kFrames)));
+    TRY(check_numbered("--preview", settings.output.path(sink_name::kPreview)));
   }
   const PicturePatterns patterns = patterns_of(settings.output.paths);
-  if (is_written(settings.output, "transforms")) TRY(pictures_of("--transforms", patterns));
-  if (is_written(settings.output, "colmap")) TRY(pictures_of_colmap(patterns));
+  if (is_written(settings.output, sink_name::kTransforms)) TRY(pictures_of("--transforms", patterns));
+  if (is_written(settings.output, sink_name::kColmap)) TRY(pictures_of_colmap(patterns));
   const std::string shown = settings.fit.emit == EmitLayer::Field
                                 ? "--emit field"
                                 : first_asked(settings.output, &MotionOrDepth::is_of_field);
@@ -159,7 +160,7 @@ bool tracks_poses(const Settings& settings) {
 
 Result<void> check_tracked_poses(const Settings& settings, std::string_view cause) {
   if (!needs_of(settings.output).poses || tracks_poses(settings)) return {};
-  const char* flag = is_written(settings.output, "transforms") ? "--transforms" : "--colmap";
+  const char* flag = is_written(settings.output, sink_name::kTransforms) ? "--transforms" : "--colmap";
   return Error{ErrorCode::Invalid,
                fmt::format("{} needs poses: {}, and none is tracked without the field, which {} leaves out",
                            flag, cause, what_leaves_out_field(settings.fit))};

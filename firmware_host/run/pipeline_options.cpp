@@ -7,6 +7,7 @@
 
 #include "capture/exposure_schedule.h"
 #include "firmware_host/run/output_needs.h"
+#include "firmware_host/sinks/sink_name.h"
 
 namespace hdrcam {
 namespace {
@@ -50,7 +51,7 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     options.render.readout_s = to_seconds(parse_duration(fit.readout).value());
   if (needs.depth)
     options.render.depth = DepthLayer::Whole;
-  else if (!settings.output.path("sheet").empty())
+  else if (!settings.output.path(sink_name::kSheet).empty())
     options.render.depth = DepthLayer::Glance;
   // a field that is to be seen, to be saved, or that poses are tracked beside, is there whatever the preset
   if ((shows_field(settings, use) || needs.scene || needs.poses) && fit.emit != EmitLayer::State)

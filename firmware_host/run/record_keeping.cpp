@@ -15,6 +15,7 @@
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "render/scores/scores.h"
@@ -158,14 +159,14 @@ Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film) {
 
 EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {
   if (plan.truth.empty()) return {EarlierFrames(storage, ""), EarlierFrames(storage, "")};
-  const std::string frames = plan.settings.output.path("frames");
+  const std::string frames = plan.settings.output.path(sink_name::kFrames);
   return {EarlierFrames(storage, frames), EarlierFrames(storage, folder_of(frames) + "/novel/%06d.exr")};
 }
 
 Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,
                         RunRecord& record) {
   if (plan.truth.empty()) return {};
-  const std::string folder = folder_of(plan.settings.output.path("frames"));
+  const std::string folder = folder_of(plan.settings.output.path(sink_name::kFrames));
   const auto is_scored = [&](const std::string& path) {
     return !(path.starts_with(folder + "/novel/") ? earlier.novel_views : earlier.frames).remains(path);
   };

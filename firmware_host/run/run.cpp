@@ -17,6 +17,7 @@
 #include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "hal/core/counted.h"
 #include "hal/core/cpu.h"
@@ -152,7 +153,8 @@ Result<void> Run::open_outputs() {
                              pace_));
   if (scene_) TRY(scene_->name_file(storage_, output.path(Settings::Output::kSnapshot)));
   if (!plan_.truth.empty())
-    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path("frames")), pool_));
+    novel_views_ =
+        TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path(sink_name::kFrames)), pool_));
   return {};
 }
 

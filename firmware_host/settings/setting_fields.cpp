@@ -143,7 +143,7 @@ SettingField path_of(const std::string& name, const char* flag, const char* abou
 }
 
 SettingField path_of(const SinkKind& sink) {
-  SettingField field = path_of(sink.name, sink.flag, sink.about);
+  SettingField field = path_of(std::string(sink.name), sink.flag, sink.about);
   field.names_file = sink.target != SinkTarget::Address;
   return field;
 }

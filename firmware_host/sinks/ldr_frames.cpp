@@ -4,6 +4,7 @@
 
 #include "firmware_host/sinks/hdr_video.h"
 #include "firmware_host/sinks/numbered_files.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "render/png.h"
 #include "render/views/re_exposure.h"
 
@@ -30,9 +31,8 @@ std::span<const SinkKind> ldr_sink_kinds() {
   static const std::vector<SinkKind> kinds = [] {
     std::vector<SinkKind> all(sink_kinds().begin(), sink_kinds().end());
     for (SinkKind& kind : all) {
-      const std::string_view name = kind.name;
-      if (name == "video") kind.open = open_video;
-      if (name == "frames") kind.open = open_frames, kind.extension = ".png";
+      if (kind.name == sink_name::kVideo) kind.open = open_video;
+      if (kind.name == sink_name::kFrames) kind.open = open_frames, kind.extension = ".png";
     }
     return all;
   }();

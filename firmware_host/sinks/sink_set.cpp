@@ -7,6 +7,7 @@
 
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 
@@ -23,7 +24,7 @@ std::string path_in(const Paths& paths, std::string_view sink) {
 // The standard output takes the frames and nothing else.
 Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths& paths) {
   for (const SinkKind& kind : kinds)
-    if (path_in(paths, kind.name) == kStandardOutput && std::string_view(kind.name) != "frames")
+    if (path_in(paths, kind.name) == kStandardOutput && kind.name != sink_name::kFrames)
       return Error{ErrorCode::Invalid,
                    fmt::format("{} - would write a file named '-': only the frames of -o go to the standard "
                                "output; name a file",
@@ -42,9 +43,9 @@ FileFacts standing_at(Storage& storage, const SinkKind& kind, const std::string&
 }  // namespace
 
 PicturePatterns patterns_of(const Paths& paths) {
-  const std::string frames = path_in(paths, "frames");
+  const std::string frames = path_in(paths, sink_name::kFrames);
   const bool numbered = FramePattern::is_one(frames);
-  return {numbered ? frames : path_in(paths, "preview"), path_in(paths, "depth")};
+  return {numbered ? frames : path_in(paths, sink_name::kPreview), path_in(paths, sink_name::kDepth)};
 }
 
 Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
@@ -67,7 +68,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
           camera && kind.pace == SinkPace::Latest ? WhenFull::DropFrame : WhenFull::Wait;
       auto async = std::make_unique<AsyncSink>(std::move(open.sink), when_full,
                                                camera ? ThreadPriority::Background : ThreadPriority::Usual,
-                                               std::string("sink ") + kind.name, request.trace);
+                                               fmt::format("sink {}", kind.name), request.trace);
       open.async = async.get();
       open.sink = std::move(async);
     }

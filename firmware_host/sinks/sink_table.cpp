@@ -11,6 +11,7 @@
 #include "firmware_host/sinks/report.h"
 #include "firmware_host/sinks/scene_files/depth_pictures.h"
 #include "firmware_host/sinks/scene_files/flow_files.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/sinks/stats.h"
 #include "hal/standard_output.h"
 
@@ -45,65 +46,66 @@ Opened open_live_view(const SinkRequest& request) {
 }
 
 constexpr SinkKind kSinkKinds[] = {
-    {"frames", "-o,--output",
+    {sink_name::kFrames, "-o,--output",
      "HDR frames, numbered by the sensor's sequence: out/%06d.exr; a video: out.mp4 (.mov, .mkv); or -, the "
      "standard output",
      SinkPace::Complete, SinkTarget::Files, open_frames, ".exr"},
-    {"video", "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete,
+    {sink_name::kVideo, "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete,
      SinkTarget::Files, open_video},
-    {"preview", "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest, SinkTarget::Files,
+    {sink_name::kPreview, "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest,
+     SinkTarget::Files,
      [](const SinkRequest& request) { return create_preview(request.storage, request.path); }, ".png"},
-    {"sheet", "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest, SinkTarget::Files,
+    {sink_name::kSheet, "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest, SinkTarget::Files,
      [](const SinkRequest& request) { return create_contact_sheet(request.storage, request.path); }},
-    {"stats", "--stats", "time, losses and provenance per frame: stats.json", SinkPace::Light,
+    {sink_name::kStats, "--stats", "time, losses and provenance per frame: stats.json", SinkPace::Light,
      SinkTarget::Files,
      [](const SinkRequest& request) { return create_stats(request.storage, request.path); }},
-    {"flow_forward", "--flow-forward", "motion to the next frame, for flow tools: out/%06d.flo",
+    {sink_name::kFlowForward, "--flow-forward", "motion to the next frame, for flow tools: out/%06d.flo",
      SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-forward", request.path, &HdrFrame::flow_forward);
      },
      ".flo"},
-    {"flow_backward", "--flow-backward", "motion to the previous frame: back/%06d.flo", SinkPace::Complete,
-     SinkTarget::Files,
+    {sink_name::kFlowBackward, "--flow-backward", "motion to the previous frame: back/%06d.flo",
+     SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-backward", request.path, &HdrFrame::flow);
      },
      ".flo"},
-    {"field_flow_forward", "--field-flow-forward", "the field's motion to the next frame: field/%06d.flo",
-     SinkPace::Complete, SinkTarget::Files,
+    {sink_name::kFieldFlowForward, "--field-flow-forward",
+     "the field's motion to the next frame: field/%06d.flo", SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-forward", request.path,
                                 &HdrFrame::field_flow_forward);
      },
      ".flo"},
-    {"field_flow_backward", "--field-flow-backward",
+    {sink_name::kFieldFlowBackward, "--field-flow-backward",
      "the field's motion to the previous frame: field_back/%06d.flo", SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-backward", request.path,
                                 &HdrFrame::field_flow);
      },
      ".flo"},
-    {"depth", "--depth",
+    {sink_name::kDepth, "--depth",
      "depth in 16-bit pictures: depth/%06d.png, millimetres where poses are given, else thousandths of the "
      "tracked poses' unit",
      SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); }, ".png"},
-    {"transforms", "--transforms",
+    {sink_name::kTransforms, "--transforms",
      "poses of the pictures for nerfstudio and instant-ngp, given or tracked: transforms.json",
      SinkPace::Light, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_transforms(request.storage, request.path, request.patterns);
      }},
-    {"colmap", "--colmap", "poses and points as a COLMAP text model, in this folder: colmap", SinkPace::Light,
-     SinkTarget::Model,
+    {sink_name::kColmap, "--colmap", "poses and points as a COLMAP text model, in this folder: colmap",
+     SinkPace::Light, SinkTarget::Model,
      [](const SinkRequest& request) {
        return create_colmap(request.storage, request.path, request.patterns);
      }},
-    {"report", "--report", "contact sheet, response, losses and times on one page: report.html",
+    {sink_name::kReport, "--report", "contact sheet, response, losses and times on one page: report.html",
      SinkPace::Latest, SinkTarget::Files,
      [](const SinkRequest& request) { return create_report(request.storage, request.path); }},
-    {"http", "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,
+    {sink_name::kHttp, "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,
      SinkTarget::Address, open_live_view},
 };
 
@@ -112,8 +114,7 @@ constexpr SinkKind kSinkKinds[] = {
 std::span<const SinkKind> sink_kinds() { return kSinkKinds; }
 
 Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request) {
-  const auto* const kind =
-      std::ranges::find(kSinkKinds, name, [](const SinkKind& one) { return std::string_view(one.name); });
+  const auto* const kind = std::ranges::find(kSinkKinds, name, &SinkKind::name);
   HDRCAM_CHECK(kind != std::end(kSinkKinds));
   return kind->open(request);
 }

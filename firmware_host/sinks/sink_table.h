@@ -13,6 +13,7 @@
 #include "firmware_host/sinks/frame_sink.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/scene_files/pose_files.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/storage.h"
 
@@ -46,9 +47,9 @@ enum class SinkPace {
 enum class SinkTarget { Files, Model, Address };  // Model: a folder with the files of a COLMAP model
 
 struct SinkKind {
-  const char* name;   // "frames"
-  const char* flag;   // "-o,--output"
-  const char* about;  // a clause with an example
+  std::string_view name;  // sink_name.h
+  const char* flag;       // "-o,--output"
+  const char* about;      // a clause with an example
   SinkPace pace;
   SinkTarget target;
   // Errors: Invalid for an unusable path, and those of the disk.
