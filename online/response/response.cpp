@@ -104,17 +104,4 @@ double uncertainty_of(const Response& response) {
   return std::sqrt(sum / (3 * kCompared));
 }
 
-double response_error(const Response& a, const Response& b) {
-  double sum = 0;
-  for (int c = 0; c < 3; ++c) {
-    double mean = 0, square = 0;
-    for (std::size_t z = kFirst; z <= kLast; ++z) {
-      const double d = std::log2(a.inverse(c)[z]) - std::log2(b.inverse(c)[z]);
-      mean += d, square += d * d;
-    }
-    sum += square / kCompared - (mean / kCompared) * (mean / kCompared);
-  }
-  return std::sqrt(std::max(0.0, sum / 3));
-}
-
 }  // namespace hdrcam

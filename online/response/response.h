@@ -47,7 +47,4 @@ class Response {
 // One sigma of ln x, rms over codes 12..245 and channels.
 double uncertainty_of(const Response& response);
 
-// rms difference of log2 x over codes 12..245 after removing one gain per channel, stops
-double response_error(const Response& a, const Response& b);
-
 }  // namespace hdrcam

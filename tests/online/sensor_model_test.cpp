@@ -9,11 +9,13 @@
 #include "render/emission.h"
 #include "tests/online/online_stream.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/response_error.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using test::OnlineStream;
+using test::response_error;
 using test::state_alone;
 
 namespace {

@@ -9,6 +9,7 @@
 
 #include "firmware_host/run/pipeline.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/response_error.h"
 
 #include "tests/contracts/expect.h"
 
@@ -96,7 +97,7 @@ TEST_CASE("a stated response is the same in any unit of exposure") {
     for (auto& curve : camera.response)
       for (double& exposure : curve) exposure *= unit;
     const Pipeline pipeline(options_of(Preset::Realtime, EmitLayer::State), camera, pool);
-    CHECK(response_error(pipeline.online().sensor().response(), truth) < 1e-3);
+    CHECK(test::response_error(pipeline.online().sensor().response(), truth) < 1e-3);
   }
 }
 

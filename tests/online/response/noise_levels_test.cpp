@@ -7,10 +7,12 @@
 #include "online/response/response_estimator.h"
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/response_error.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::response_error;
 
 namespace {
 

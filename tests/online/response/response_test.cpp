@@ -13,10 +13,12 @@
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/refused_threads.h"
+#include "tests/support/response_error.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::response_error;
 
 namespace {
 
