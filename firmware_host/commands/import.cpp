@@ -11,6 +11,7 @@
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
+#include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "firmware_host/footage/low_codes.h"
 #include "firmware_host/printable.h"
@@ -233,9 +234,9 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     warn_of_phase(plan);
     return tell_losses(plan);
   }
-  if (!plan.time_trouble.empty())
+  if (!plan.times.trouble.empty())
     remark("note: the frames come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
-           plan.time_trouble);
+           plan.times.trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");
   if (const std::string missing = describe_missing(plan); !missing.empty()) remark("note: {}\n", missing);

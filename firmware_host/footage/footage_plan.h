@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "capture/cycle_phase.h"
+#include "firmware_host/footage/footage_times.h"
 #include "hal/footage/footage.h"
 #include "hal/recording/recording.h"
 
@@ -31,18 +32,10 @@ enum class ExposureOrigin {
   Estimated,  // from the pictures: relative
 };
 
-// Where the times of the frames come from.
-enum class TimeOrigin {
-  Files,  // a video's own times where they increase; others one after the other at the frame rate
-  Exif,   // when each still was taken
-};
-
 struct FootagePlan {
   CameraFacts camera;
   std::string about;  // "h264, yuv420p"
-  TimeOrigin times = TimeOrigin::Files;
-  // Why the times in EXIF, or those of a video, are not taken, a clause; "": they are.
-  std::string time_trouble;
+  FootageTimes times;
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle
@@ -64,14 +57,5 @@ FootagePlan plan_of_clip(CameraFacts camera, std::vector<FrameFacts> facts);
 // not read as it was for the plan.
 Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
                                                       const FootagePlan& plan);
-
-// A sentence without a full stop: the file, how much it lacks, and what becomes of the rest.
-std::string describe(const FootageLosses& losses);
-
-// "2 frames are missing, before frame 3", as the exposures show; "" where none is.
-std::string describe_missing(const FootagePlan& plan);
-
-// For people: what the footage is, its cycle, what is missing, and the first frames.
-std::string described(const FootagePlan& plan);
 
 }  // namespace hdrcam

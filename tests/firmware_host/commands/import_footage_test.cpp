@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/png_image.h"

@@ -1,0 +1,19 @@
+// A plan of footage in words. Reentrant.
+#pragma once
+
+#include <string>
+
+#include "firmware_host/footage/footage_plan.h"
+
+namespace hdrcam {
+
+// A sentence without a full stop: the file, how much it lacks, and what becomes of the rest.
+std::string describe(const FootageLosses& losses);
+
+// "2 frames are missing, before frame 3", as the exposures show; "" where none is.
+std::string describe_missing(const FootagePlan& plan);
+
+// For people: what the footage is, its cycle, what is missing, and the first frames.
+std::string described(const FootagePlan& plan);
+
+}  // namespace hdrcam
