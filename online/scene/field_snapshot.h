@@ -45,8 +45,7 @@ struct FieldPicture {
   Image<float> depth;     // [1] camera z, >= 1, in units of the field's near plane
   // [dx dy] by Neighbour: px, to the view of the next and of the previous frame.
   std::array<Image<float>, 2> flow;
-  Image<float> dynamic_share;  // [1] 0..1 of the light comes from the dynamic branch
-  Image<float> confidence;     // [1] 0..1: the state's share; 0 where the field alone gives the radiance
+  Image<float> confidence;  // [1] 0..1: the state's share; 0 where the field alone gives the radiance
   std::unique_ptr<RenderBuffers> buffers;
 };
 

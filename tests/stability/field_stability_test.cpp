@@ -47,7 +47,7 @@ struct Stream {
   void check(double time_s) {
     renderer.render(fit.field(), FitStream::view(fit, {}, time_s, 2), pool, view);
     for (const Image<float>* plane :
-         {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
+         {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.confidence})
       for (float v : plane->samples()) REQUIRE(std::isfinite(v));
     for (float v : view.radiance.samples()) REQUIRE(v >= 0);
   }

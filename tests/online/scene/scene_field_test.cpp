@@ -62,7 +62,7 @@ class OneColour final : public SceneField {
       picture.radiance.reshape(3, view.rows, view.cols);
       for (int c = 0; c < 3; ++c)
         std::fill_n(picture.radiance.plane(c), picture.radiance.plane_size(), colour[c]);
-      for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence}) {
+      for (Image<float>* plane : {&picture.depth, &picture.confidence}) {
         plane->reshape(1, view.rows, view.cols);
         plane->fill(plane == &picture.depth ? 1.f : 0.f);
       }

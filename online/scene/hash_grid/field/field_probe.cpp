@@ -138,7 +138,6 @@ ProbeAnswer FieldProbe::answer(const Cameras& cameras, Blend blend, const ProbeR
   const RayPicture<float> picture = render_ray(ray, blend, trace);
   ProbeAnswer answer{{picture.radiance[0], picture.radiance[1], picture.radiance[2]},
                      picture.inverse_depth,
-                     picture.share,
                      0,
                      {{0, 0}, {0, 0}}};
   for (int k = 0; k < ray.count; ++k) {

@@ -24,7 +24,6 @@ struct ProbeRay {
 struct ProbeAnswer {
   float radiance[3];
   float inverse_depth;
-  float dynamic_share;
   float confidence;  // 0..1: the state's share of the radiance, against the networks'; 0 outside
                      // its picture
   float flow[2][2];  // by Neighbour: pixels, to the view of the next and of the previous frame

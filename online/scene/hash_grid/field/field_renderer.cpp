@@ -49,14 +49,13 @@ float presentable(float value) {
 
 void reshape(FieldPicture& picture, int rows, int cols) {
   picture.radiance.reshape(3, rows, cols);
-  for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence})
-    plane->reshape(1, rows, cols);
+  for (Image<float>* plane : {&picture.depth, &picture.confidence}) plane->reshape(1, rows, cols);
   for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
 }
 
 void clear(FieldPicture& picture) {
-  for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share, &picture.confidence,
-                              &picture.flow[0], &picture.flow[1]})
+  for (Image<float>* plane :
+       {&picture.radiance, &picture.depth, &picture.confidence, &picture.flow[0], &picture.flow[1]})
     plane->fill(0);
 }
 
@@ -66,7 +65,6 @@ void store(const ProbeAnswer& answer, const float* flow_scale, int y, int x, Fie
   constexpr float kNear = 1, kFar = 1e-4f;  // inverse depths, of the near plane and of what is no farther
   picture.depth.at(0, y, x) =
       1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : kNear, kFar, kNear);
-  picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
   picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
   for (std::size_t n = 0; n < 2; ++n)
     for (int a = 0; a < 2; ++a)

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // What rays see: raw outputs become samples (../field_sample.h), samples become a picture
-// (../compositing.h, ../ray_rendering.h): [radiance rgb, inverse depth, dynamic share, confidence, flow to the
+// (../compositing.h, ../ray_rendering.h): [radiance rgb, inverse depth, confidence, flow to the
 // next frame, to the previous one][rays]. One invocation per ray.
 #include "hal/gpu/element.glsl"
 #include "online/scene/hash_grid/field/vulkan/field_constants.glsl"
@@ -28,7 +28,7 @@ void main() {
   const vec2 pixel = vec2(ray[3 * r], ray[3 * r + 1]);
   const View frame = from_anchor(kFrame);
   const View neighbour[2] = {from_anchor(kNeighbour), from_anchor(kNeighbour + 1)};
-  float light = 1, depth = 0, share = 0, confidence = 0;
+  float light = 1, depth = 0, confidence = 0;
   vec3 radiance = vec3(0);
   vec2 flow[2] = {vec2(0), vec2(0)};
   for (int k = 0; k < samples; ++k) {
@@ -72,7 +72,6 @@ void main() {
     light *= passed;
     radiance += of_static * static_radiance + of_dynamic * dynamic_radiance;
     depth += weight * placed[3 * ld + s];
-    share += of_dynamic;
     confidence += of_static * static_known + of_dynamic * dynamic_known;
     for (int n = 0; n < 2; ++n) {
       flow[n] += of_static * (project(neighbour[n], point).xy - pixel);
@@ -82,8 +81,7 @@ void main() {
   }
   for (int c = 0; c < 3; ++c) answers[c * rays + r] = radiance[c];
   answers[3 * rays + r] = depth;
-  answers[4 * rays + r] = share;
-  answers[5 * rays + r] = confidence;
+  answers[4 * rays + r] = confidence;
   for (int n = 0; n < 2; ++n)
-    for (int a = 0; a < 2; ++a) answers[(6 + 2 * n + a) * rays + r] = flow[n][a];
+    for (int a = 0; a < 2; ++a) answers[(5 + 2 * n + a) * rays + r] = flow[n][a];
 }

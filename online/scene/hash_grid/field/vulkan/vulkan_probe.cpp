@@ -11,7 +11,7 @@ namespace hdrcam {
 namespace {
 
 constexpr std::size_t kBatchRays = 16384;  // 27 MB of memory at 8 samples a ray
-constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 10, kViews = 4;
+constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 9, kViews = 4;
 
 template <class T>
 std::span<const std::byte> bytes_of(std::span<T> values) {
@@ -167,9 +167,9 @@ Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeV
   for (std::size_t r = 0; r < rays.size(); ++r) {
     ProbeAnswer& answer = answers[r];
     for (std::size_t c = 0; c < 3; ++c) answer.radiance[c] = value(c, r);
-    answer.inverse_depth = value(3, r), answer.dynamic_share = value(4, r), answer.confidence = value(5, r);
+    answer.inverse_depth = value(3, r), answer.confidence = value(4, r);
     for (std::size_t n = 0; n < 2; ++n)
-      for (std::size_t a = 0; a < 2; ++a) answer.flow[n][a] = value(6 + 2 * n + a, r);
+      for (std::size_t a = 0; a < 2; ++a) answer.flow[n][a] = value(5 + 2 * n + a, r);
   }
   return {};
 }

@@ -78,8 +78,7 @@ void check_alike(std::span<const ProbeAnswer> there, std::span<const ProbeAnswer
   std::size_t apart = 0;
   for (std::size_t r = 0; r < here.size(); ++r) {
     const ProbeAnswer &a = there[r], &b = here[r];
-    bool same = alike(a.inverse_depth, b.inverse_depth, 0.1f) && alike(a.dynamic_share, b.dynamic_share, 1) &&
-                alike(a.confidence, b.confidence, 1);
+    bool same = alike(a.inverse_depth, b.inverse_depth, 0.1f) && alike(a.confidence, b.confidence, 1);
     for (int c = 0; c < 3; ++c) same = same && alike(a.radiance[c], b.radiance[c], 0.01f);
     for (int n = 0; n < 2; ++n)
       for (int d = 0; d < 2; ++d) same = same && alike(a.flow[n][d], b.flow[n][d], 1);
