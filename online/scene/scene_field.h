@@ -10,6 +10,7 @@
 #include "capture/exposed_frame.h"
 #include "hal/core/inline_list.h"
 #include "hal/core/result.h"
+#include "hal/gpu/gpu_device.h"
 #include "online/pictures/flow_field.h"
 #include "online/priors/depth/depth_prior.h"
 #include "online/priors/pose/pose_prior.h"
@@ -19,6 +20,14 @@
 #include "online/state/radiance_state.h"
 
 namespace hdrcam {
+
+// Settings of every field, fixed at the start.
+struct SceneSetup {
+  Intrinsics lens;
+  int rows = 0, cols = 0;
+  float near = 1;            // distance of the near plane, in the poses' unit
+  GpuDevice* gpu = nullptr;  // fits and renders the field; null for the processor; outlives the field
+};
 
 // The facts and estimates of one frame for observe(); borrowed for the call.
 struct SceneObservation {

@@ -19,8 +19,7 @@ std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions&
     case FieldKind::None:
       break;
     case FieldKind::HashGrid:
-      return std::make_unique<HashGridField>(hash_grid, setup.near, setup.lens, setup.rows, setup.cols, pool,
-                                             setup.gpu);
+      return std::make_unique<HashGridField>(hash_grid, setup, pool);
   }
   return nullptr;
 }

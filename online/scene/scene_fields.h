@@ -18,14 +18,6 @@ enum class FieldStep { Auto, One, Two, Four, Eight };
 // 2 at 320x240, 4 at 640x480, 8 at 1920x1080, so that a block is about as large in the scene.
 int field_step_px(FieldStep step, int rows, int cols);
 
-// Settings of every field, fixed at the start.
-struct SceneSetup {
-  Intrinsics lens;
-  int rows = 0, cols = 0;
-  float near = 1;            // distance of the near plane, in the poses' unit
-  GpuDevice* gpu = nullptr;  // fits and renders the field; null for the processor; outlives the field
-};
-
 // Returns null for None: the state alone.
 std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions& hash_grid,
                                              const SceneSetup& setup, WorkerPool& pool);

@@ -26,9 +26,10 @@ void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPictur
   renderer->render({window_, networks_, samples_per_ray_, has_dynamic_}, view, pool, picture);
 }
 
-HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
-                             int cols, WorkerPool& pool, GpuDevice* gpu)
-    : pool_(pool), gpu_(gpu), fit_(with_near(options, near), lens, rows, cols, pool, gpu) {}
+HashGridField::HashGridField(const FieldOptions& options, const SceneSetup& setup, WorkerPool& pool)
+    : pool_(pool),
+      gpu_(setup.gpu),
+      fit_(with_near(options, setup.near), setup.lens, setup.rows, setup.cols, pool, setup.gpu) {}
 
 HashGridField::~HashGridField() {
   for (const auto& snapshot : snapshots_) HDRCAM_CHECK(!snapshot->is_held());

@@ -47,10 +47,7 @@ class HashGridSnapshot final : public FieldSnapshot {
 
 class HashGridField final : public SceneField {
  public:
-  // near: distance of the near plane, in the poses' unit; gpu: which fits and looks into snapshots, null for
-  // the processor
-  HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows, int cols,
-                WorkerPool& pool, GpuDevice* gpu = nullptr);
+  HashGridField(const FieldOptions& options, const SceneSetup& setup, WorkerPool& pool);
   ~HashGridField() override;
 
   Result<void> observe(const SceneObservation& seen) override;

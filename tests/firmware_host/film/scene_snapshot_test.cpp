@@ -70,7 +70,7 @@ struct Written {
     const std::string path = test::scratch_folder("scene_" + name) + "/s.hdrscene";
     WorkerPool pool(1);
     FitStream stream;
-    HashGridField field(FitStream::small_options(), 1, head.frames.back().lens, kRows, kCols, pool);
+    HashGridField field(FitStream::small_options(), {head.frames.back().lens, kRows, kCols}, pool);
     SceneWriter writer =
         value_of(SceneWriter::create(value_of(FileInMaking::beside(posix_storage(), path)), head, response));
     for (const Keyframe& key : head.frames) require_done(writer.add(key));
