@@ -11,6 +11,7 @@
 #include "firmware_host/settings/settings_toml.h"
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/check.h"
 
 namespace hdrcam {
 namespace {
@@ -24,6 +25,13 @@ const char* type_name(SettingType type) {
     default:
       return "TEXT";
   }
+}
+
+// Of settings, or "knobs": a misspelt one would be asked for in vain.
+void check_keys(const std::vector<std::string>& keys) {
+  for (const std::string& key : keys)
+    HDRCAM_CHECK(key == "knobs" ||
+                 std::ranges::find(setting_fields(), key, &SettingField::key) != setting_fields().end());
 }
 
 CLI::Option* add_flag(CLI::App& verb, const SettingField& field, const char* flag) {
@@ -102,6 +110,7 @@ struct SettingsFlags::Given {
 SettingsFlags::SettingsFlags(CommandLine verb, const std::vector<SettingGroup>& groups,
                              const std::vector<std::string>& left_out)
     : given_(std::make_unique<Given>()) {
+  check_keys(left_out);
   for (const SettingField& field : setting_fields())
     if (std::ranges::find(groups, field.group) != groups.end() &&
         std::ranges::find(left_out, field.key) == left_out.end())
@@ -111,6 +120,7 @@ SettingsFlags::SettingsFlags(CommandLine verb, const std::vector<SettingGroup>& 
 
 SettingsFlags::SettingsFlags(CommandLine verb, const std::vector<std::string>& keys)
     : given_(std::make_unique<Given>()) {
+  check_keys(keys);
   for (const SettingField& field : setting_fields())
     if (std::ranges::find(keys, field.key) != keys.end()) given_->add(verb.parser(), field, field.flag);
   given_->add_config(verb.parser());
@@ -169,6 +179,7 @@ std::string SettingsFlags::printed(const Settings& settings) const {
 }
 
 std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& keys) const {
+  check_keys(keys);
   std::vector<std::string> flags;
   for (const auto& [field, option] : given_->flags) {
     if (option->count() == 0 || std::ranges::find(keys, field->key) == keys.end()) continue;
