@@ -14,8 +14,6 @@
 
 #include "tests/support/files.h"
 
-#include <catch2/catch.hpp>
-
 using namespace hdrcam;
 using test::text_of;
 
