@@ -17,13 +17,8 @@
 
 namespace hdrcam {
 
-// The camera's motion since the previous frame. Static and Rotation are exact: the pose or its translation is
-// kept.
-enum class CameraMotion { Static, Rotation, General };
-
 struct CameraPose {
   RigidTransform T_world_camera;
-  CameraMotion motion = CameraMotion::Static;
   bool lost = false;  // the pose only continues what was before
 };
 

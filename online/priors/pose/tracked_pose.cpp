@@ -136,7 +136,7 @@ void TrackedPose::track(const FlowField& from_previous) {
   if (is_static(turned)) {
     tracks_.settle(lens_, T_camera_world_);
     note_velocity(T_camera_world_);
-    return accept(T_camera_world_, CameraMotion::Static);
+    return accept(T_camera_world_, Centre::Kept);
   }
   if (depth_known_)
     follow_translation(turned);
@@ -149,17 +149,17 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
   const PoseFit moved =
       fitter_.fit(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
   if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
-  const bool was_moving = pose_.motion == CameraMotion::General;
+  const bool was_moving = centre_ == Centre::Moved;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain)) {
     note_velocity(turned.T_camera_world);
-    return accept(turned.T_camera_world, CameraMotion::Rotation);
+    return accept(turned.T_camera_world, Centre::Kept);
   }
   tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world, errors_),
                       kNoiseLearning);
   tracks_.learn(depths_, lens_, moved.T_camera_world);
   // a position that catches up is not how fast the camera moves
   note_velocity(was_moving ? moved.T_camera_world : turned.T_camera_world);
-  accept(moved.T_camera_world, CameraMotion::General);
+  accept(moved.T_camera_world, Centre::Moved);
 }
 
 // No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the
@@ -167,7 +167,7 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
 // parallax is clear; until then the pose only rotates.
 void TrackedPose::find_translation(const PoseFit& turned) {
   note_velocity(turned.T_camera_world);
-  accept(turned.T_camera_world, CameraMotion::Rotation);
+  accept(turned.T_camera_world, Centre::Kept);
   const auto points = tracks_.points();
   if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
 
@@ -190,7 +190,7 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   tracks_.learn_noise(first.noise, 1);
   choose_unit(first);
   tracks_.learn(first.inverse_depths, lens_, first.T_camera_world);
-  accept(first.T_camera_world, CameraMotion::General);
+  accept(first.T_camera_world, Centre::Moved);
 }
 
 // The median depth becomes the unit of length.
@@ -216,9 +216,9 @@ void TrackedPose::note_velocity(const RigidTransform& T_camera_world) {
   T_camera_previous_ = T_camera_world * T_camera_world_.inverse();
 }
 
-void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion) {
+void TrackedPose::accept(const RigidTransform& T_camera_world, Centre centre) {
   T_camera_world_ = T_camera_world;
-  pose_.motion = motion;
+  centre_ = centre;
   pose_.lost = false;
 }
 

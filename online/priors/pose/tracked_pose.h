@@ -42,6 +42,8 @@ class TrackedPose final : public PosePrior {
   PoseSource source() const override { return PoseSource::Tracked; }
 
  private:
+  enum class Centre { Kept, Moved };  // of the camera
+
   void start(const FlowField& from_previous);
   void track(const FlowField& from_previous);
   void find_translation(const PoseFit& turned);
@@ -49,7 +51,7 @@ class TrackedPose final : public PosePrior {
   void choose_unit(Heading& first);
   bool is_static(const PoseFit& turned) const;
   void note_velocity(const RigidTransform& T_camera_world);
-  void accept(const RigidTransform& T_camera_world, CameraMotion motion);
+  void accept(const RigidTransform& T_camera_world, Centre centre);
   void lose();
 
   TrackerOptions options_;
@@ -61,7 +63,8 @@ class TrackedPose final : public PosePrior {
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
   PoseFitter fitter_;
   bool started_ = false, depth_known_ = false;
-  int blind_ = 0;  // frames in a row
+  Centre centre_ = Centre::Kept;  // by the accepted motion
+  int blind_ = 0;                 // frames in a row
   CameraPose pose_;
 };
 
