@@ -1,76 +1,57 @@
 #include "hal/camera.h"
 
+#include <iterator>
+
 namespace hdrcam {
+namespace {
+
+using enum PixelFormat;
+constexpr struct {
+  PixelFormat format;
+  const char* name;
+} kNames[] = {{Rgb24, "RGB24"},
+              {Bgr24, "BGR24"},
+              {Yuyv, "YUYV"},
+              {Nv12, "NV12"},
+              {Mjpeg, "MJPEG"},
+              {Grey8, "GREY8"},
+              {Rggb8, "RGGB8"},
+              {Grbg8, "GRBG8"},
+              {Gbrg8, "GBRG8"},
+              {Bggr8, "BGGR8"},
+              {Rggb10, "RGGB10"},
+              {Grbg10, "GRBG10"},
+              {Gbrg10, "GBRG10"},
+              {Bggr10, "BGGR10"},
+              {Rggb12, "RGGB12"},
+              {Grbg12, "GRBG12"},
+              {Gbrg12, "GBRG12"},
+              {Bggr12, "BGGR12"},
+              {Rggb16, "RGGB16"},
+              {Grbg16, "GRBG16"},
+              {Gbrg16, "GBRG16"},
+              {Bggr16, "BGGR16"},
+              {Rggb10Packed, "RGGB10P"},
+              {Grbg10Packed, "GRBG10P"},
+              {Gbrg10Packed, "GBRG10P"},
+              {Bggr10Packed, "BGGR10P"},
+              {Rggb12Packed, "RGGB12P"},
+              {Grbg12Packed, "GRBG12P"},
+              {Gbrg12Packed, "GBRG12P"},
+              {Bggr12Packed, "BGGR12P"}};
+static_assert(std::size(kNames) == static_cast<std::size_t>(Bggr12Packed) + 1);
+
+}  // namespace
 
 const char* name(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::Rgb24:
-      return "RGB24";
-    case PixelFormat::Bgr24:
-      return "BGR24";
-    case PixelFormat::Yuyv:
-      return "YUYV";
-    case PixelFormat::Nv12:
-      return "NV12";
-    case PixelFormat::Mjpeg:
-      return "MJPEG";
-    case PixelFormat::Grey8:
-      return "GREY8";
-    case PixelFormat::Rggb8:
-      return "RGGB8";
-    case PixelFormat::Grbg8:
-      return "GRBG8";
-    case PixelFormat::Gbrg8:
-      return "GBRG8";
-    case PixelFormat::Bggr8:
-      return "BGGR8";
-    case PixelFormat::Rggb10:
-      return "RGGB10";
-    case PixelFormat::Grbg10:
-      return "GRBG10";
-    case PixelFormat::Gbrg10:
-      return "GBRG10";
-    case PixelFormat::Bggr10:
-      return "BGGR10";
-    case PixelFormat::Rggb12:
-      return "RGGB12";
-    case PixelFormat::Grbg12:
-      return "GRBG12";
-    case PixelFormat::Gbrg12:
-      return "GBRG12";
-    case PixelFormat::Bggr12:
-      return "BGGR12";
-    case PixelFormat::Rggb16:
-      return "RGGB16";
-    case PixelFormat::Grbg16:
-      return "GRBG16";
-    case PixelFormat::Gbrg16:
-      return "GBRG16";
-    case PixelFormat::Bggr16:
-      return "BGGR16";
-    case PixelFormat::Rggb10Packed:
-      return "RGGB10P";
-    case PixelFormat::Grbg10Packed:
-      return "GRBG10P";
-    case PixelFormat::Gbrg10Packed:
-      return "GBRG10P";
-    case PixelFormat::Bggr10Packed:
-      return "BGGR10P";
-    case PixelFormat::Rggb12Packed:
-      return "RGGB12P";
-    case PixelFormat::Grbg12Packed:
-      return "GRBG12P";
-    case PixelFormat::Gbrg12Packed:
-      return "GBRG12P";
-    case PixelFormat::Bggr12Packed:
-      return "BGGR12P";
-  }
+  for (const auto& named : kNames)
+    if (named.format == format) return named.name;
   return "?";
 }
 
 std::optional<PixelFormat> pixel_format(std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(PixelFormat::Bggr12Packed); ++i)
-    if (const auto format = static_cast<PixelFormat>(i); text == name(format)) return format;
+  for (const auto& named : kNames)
+    if (named.name == text) return named.format;
   return std::nullopt;
 }
 
