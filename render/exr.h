@@ -15,9 +15,9 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/core/instant.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
+#include "render/time_code.h"
 
 namespace hdrcam {
 
@@ -44,17 +44,6 @@ struct Chromaticities {
 
   friend bool operator==(const Chromaticities&, const Chromaticities&) = default;
 };
-
-// SMPTE ST 12-1, non-drop.
-struct TimeCode {
-  int hours = 0, minutes = 0, seconds = 0, frame = 0;
-
-  friend bool operator==(const TimeCode&, const TimeCode&) = default;
-};
-
-// The code of an instant `since_start` (>= 0) after 00:00:00:00: of the frame that began last, or begins
-// within half a frame of a camera of 30 Hz or, if that is faster, of this one; the hours wrap at 24.
-TimeCode time_code(Duration since_start, double framerate_hz);
 
 // The standard attributes of OpenEXR ("Standard Optional Attributes"), each written only where it is known.
 struct ExrAttributes {

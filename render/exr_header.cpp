@@ -1,0 +1,91 @@
+#include "render/exr_header.h"
+
+#include <ImfFramesPerSecond.h>
+#include <ImfHeader.h>
+#include <ImfRational.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfTimeCode.h>
+
+#include <cmath>
+
+#include "hal/core/geometry.h"
+
+namespace hdrcam {
+namespace {
+
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * m: m is the transpose of T_camera_world.
+Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
+  const RigidTransform T_camera_world = transform_of(T_world_camera).inverse();
+  Imath::M44f m;
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) m[k][row] = static_cast<float>(T_camera_world.R(row, k));
+    m[3][row] = static_cast<float>(T_camera_world.t[row] + 0.0);  // never -0
+  }
+  return m;
+}
+
+PoseMatrix world_from_camera(const Imath::M44f& m) {
+  RigidTransform T_camera_world;
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) T_camera_world.R(row, k) = static_cast<double>(m[k][row]);
+    T_camera_world.t[row] = static_cast<double>(m[3][row]);
+  }
+  return pose_matrix_of(T_camera_world.inverse());
+}
+
+Imath::V2f library_point(const std::array<float, 2>& xy) { return {xy[0], xy[1]}; }
+std::array<float, 2> point(const Imath::V2f& xy) { return {xy.x, xy.y}; }
+
+// The nominal rate. Intervals are rounded: of whole nanoseconds, 30 Hz would be 100000021 / 3333334.
+Imf::Rational frames_per_second(double hz) {
+  constexpr double kNearly_hz = 0.002;  // as the library has it for 29.97 and its like
+  const double whole = std::round(hz);
+  return Imf::guessExactFps(whole >= 1 && std::abs(hz - whole) < kNearly_hz ? whole : hz);
+}
+
+}  // namespace
+
+void add_attributes(const ExrAttributes& a, Imf::Header& header) {
+  if (a.exposure_s) Imf::addExpTime(header, static_cast<float>(*a.exposure_s));
+  if (a.framerate_hz) Imf::addFramesPerSecond(header, frames_per_second(*a.framerate_hz));
+  if (a.white_cd_m2) Imf::addWhiteLuminance(header, static_cast<float>(*a.white_cd_m2));
+  if (a.chromaticities) {
+    const Chromaticities& c = *a.chromaticities;
+    Imf::addChromaticities(header, {library_point(c.red), library_point(c.green), library_point(c.blue),
+                                    library_point(c.white)});
+  }
+  if (a.time_code) {
+    const TimeCode& t = *a.time_code;
+    Imf::addTimeCode(header, Imf::TimeCode(t.hours, t.minutes, t.seconds, t.frame));
+  }
+  if (a.T_world_camera) Imf::addWorldToCamera(header, world_to_camera(*a.T_world_camera));
+  if (!a.owner.empty()) Imf::addOwner(header, a.owner);
+  if (!a.comments.empty()) Imf::addComments(header, a.comments);
+  for (const auto& [name, text] : a.texts) header.insert(name, Imf::StringAttribute(text));
+}
+
+ExrAttributes attributes_of(const Imf::Header& header) {
+  ExrAttributes a;
+  if (Imf::hasExpTime(header)) a.exposure_s = Imf::expTime(header);
+  if (Imf::hasFramesPerSecond(header)) a.framerate_hz = static_cast<double>(Imf::framesPerSecond(header));
+  if (Imf::hasWhiteLuminance(header)) a.white_cd_m2 = Imf::whiteLuminance(header);
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    a.chromaticities = Chromaticities{point(c.red), point(c.green), point(c.blue), point(c.white)};
+  }
+  if (Imf::hasTimeCode(header)) {
+    const Imf::TimeCode& t = Imf::timeCode(header);
+    a.time_code = TimeCode{t.hours(), t.minutes(), t.seconds(), t.frame()};
+  }
+  if (Imf::hasWorldToCamera(header)) a.T_world_camera = world_from_camera(Imf::worldToCamera(header));
+  if (Imf::hasOwner(header)) a.owner = Imf::owner(header);
+  if (Imf::hasComments(header)) a.comments = Imf::comments(header);
+  for (auto entry = header.begin(); entry != header.end(); ++entry)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
+        text != nullptr && std::string_view(entry.name()).starts_with("hdrcam."))
+      a.texts[entry.name()] = text->value();
+  return a;
+}
+
+}  // namespace hdrcam
