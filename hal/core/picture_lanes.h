@@ -11,6 +11,7 @@
 #include <cstddef>
 
 #include "hal/core/lanes.h"
+#include "hal/core/subpixels.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
@@ -141,7 +142,7 @@ struct Places {
 // Along one axis.
 [[maybe_unused]] inline void place(Lanes at, int size, Whole& pixel, Lanes& fraction) {
   // far outside or not finite: the border; keeps the integer conversion defined, and positive before the cut
-  constexpr int kOutside = 4, kSubpixels = 32, kShift = 5;
+  using subpixels::kOutside, subpixels::kShift, subpixels::kSubpixels;
   const float limit = static_cast<float>(size + kOutside);
   at = at > -kOutside ? (at < limit ? at : all<Lanes>(limit)) : all<Lanes>(-kOutside);
   const Whole q = whole((at + kOutside) * kSubpixels + 0.5f);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "hal/core/subpixels.h"
 #include "online/pictures/between_pixels.h"
 
 namespace hdrcam {
@@ -40,7 +41,7 @@ class CubicBetweenPixels {
  private:
   // Places are rounded to a part of a pixel: what does not move is copied, not interpolated.
   static AxisTap rounded_tap(float place, int size) {
-    constexpr float kParts = 32;  // as warp.h rounds
+    constexpr float kParts = subpixels::kSubpixels;
     return tap_at(std::round(std::clamp(place, 0.f, static_cast<float>(size - 1)) * kParts) / kParts, size);
   }
   static std::array<int, 4> four_around(AxisTap tap, int size) {

@@ -15,8 +15,7 @@ float smooth_step(float begin, float end, float x) {
   return t * t * (3 - 2 * t);
 }
 
-// As hal/core/picture_lanes.h places pixels.
-const int kOutside = 4, kSubpixels = 32, kShift = 5;
+#include "hal/core/subpixels.h"
 
 // A position split into whole pixels (xy) and subpixels (zw). Far outside or not a number: the border.
 ivec4 split_position(float px, float py) {
