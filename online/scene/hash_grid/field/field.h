@@ -9,6 +9,7 @@
 // its own passes.
 #pragma once
 
+#include "online/scene/hash_grid/field/branch_constants.h"
 #include "online/scene/hash_grid/field/compositing.h"
 #include "online/scene/hash_grid/field/hash_grid.h"
 #include "online/scene/hash_grid/field/mlp.h"
@@ -35,10 +36,16 @@ struct FieldShape {
 };
 
 struct StaticHead {
-  enum : int { kDensity = 0, kResidual = 1, kBlend = 4, kCount = 8 };
+  enum : int { kDensity = 0, kResidual = 1, kBlend = 4, kCount = branch_constants::kStaticOutputs };
 };
 struct DynamicHead {
-  enum : int { kDensity = 0, kResidual = 1, kFlow = 4, kOcclusion = 10, kCount = 12 };
+  enum : int {
+    kDensity = 0,
+    kResidual = 1,
+    kFlow = 4,
+    kOcclusion = 10,
+    kCount = branch_constants::kDynamicOutputs
+  };
 };
 
 template <class T>

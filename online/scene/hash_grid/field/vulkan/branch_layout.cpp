@@ -7,8 +7,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kMostWidth = 64;  // of network.comp and the fit's backward.comp
-
 // Calls f(place in the tiles, place in the parameters) for each parameter.
 template <class F>
 void for_each_place(const Mlp<float>& mlp, F&& f) {
@@ -29,6 +27,7 @@ void for_each_place(const Mlp<float>& mlp, F&& f) {
 }  // namespace
 
 Result<void> check_fits_kernels(const Mlp<float>& mlp) {
+  using namespace branch_constants;
   if (mlp.parameters().size() <= kMostParameters && std::max(mlp.inputs(), mlp.hidden()) <= kMostWidth)
     return {};
   return Error{ErrorCode::Unsupported,

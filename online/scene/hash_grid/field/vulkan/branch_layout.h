@@ -11,7 +11,6 @@
 namespace hdrcam {
 
 constexpr std::size_t kMostLevels = HashGridShape::kMostLevels, kLevelWords = 8;  // of the kernels' uniforms
-constexpr std::size_t kMostParameters = 4096;                                     // of a network, likewise
 constexpr std::size_t kViewFloats = 24;                                           // of a camera
 
 // Unsupported, saying what to do, where a network is larger than the kernels' room.

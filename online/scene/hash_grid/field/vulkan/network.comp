@@ -4,14 +4,14 @@
 // keeps its activations; weights are uniform, layer after layer in tiles [outputs / 4][1 + inputs][4 outputs],
 // the biases first.
 #include "hal/gpu/element.glsl"
+#include "online/scene/hash_grid/field/branch_constants.h"
 layout(push_constant) uniform Constants {
   int first, count, ld, inputs, hidden, outputs, plane_of_raw;  // samples first .. first + count - 1
 };
 READS(0, Features, features)
 WRITES(1, Raw, raw)
-layout(std140, set = 0, binding = 2) uniform Parameters { vec4 parameter[1024]; };  // kMostParameters
+layout(std140, set = 0, binding = 2) uniform Parameters { vec4 parameter[kMostParameters / 4]; };
 
-const int kMostWidth = 64;
 float from[kMostWidth], to[kMostWidth];
 
 // Returns the place of the next layer's parameters.

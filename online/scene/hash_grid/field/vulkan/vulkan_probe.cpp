@@ -68,7 +68,7 @@ Result<void> VulkanProbe::reserve_for(const Branch<float>& branch, int ld, Branc
   TRY(check_fits_kernels(branch.mlp));
   TRY(room.tables.reserve(device_, branch.grid.tables().samples().size_bytes()));
   TRY(room.levels.reserve(device_, kMostLevels * kLevelWords * sizeof(std::uint32_t)));
-  TRY(room.parameters.reserve(device_, kMostParameters * sizeof(float)));
+  TRY(room.parameters.reserve(device_, branch_constants::kMostParameters * sizeof(float)));
   TRY(room.features.reserve(device_, rows(branch.mlp.inputs())));
   return room.raw.reserve(device_, rows(branch.mlp.outputs()));
 }

@@ -7,17 +7,17 @@
 //   trace             [samples][features, hidden, hidden]: the layers' inputs
 //   d_pre_activation  [samples][hidden, hidden, outputs]: the gradients of the layers' sums
 #include "hal/gpu/element.glsl"
+#include "online/scene/hash_grid/field/branch_constants.h"
 layout(push_constant) uniform Constants {
   int first, count, ld, inputs, hidden, outputs, plane_of_raw;  // samples first .. first + count - 1
 };
 READS(0, Features, features)
 READS(1, RawGradient, d_raw)
-layout(std140, set = 0, binding = 2) uniform Parameters { vec4 parameter[1024]; };  // as network.comp has them
+layout(std140, set = 0, binding = 2) uniform Parameters { vec4 parameter[kMostParameters / 4]; };
 CHANGES(3, Trace, trace)
 CHANGES(4, PreActivationGradient, d_pre_activation)
 WRITES(5, FeatureGradient, d_features)
 
-const int kMostWidth = 64;
 float from[kMostWidth], to[kMostWidth];
 
 // to <- rectified sums of `from`; kept in the trace at `place`, and left in `from`.

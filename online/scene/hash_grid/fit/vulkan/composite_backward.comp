@@ -20,7 +20,7 @@ READS(5, SeenGradient, d_seen)
 WRITES(6, RawGradient, d_raw)
 #include "online/scene/hash_grid/fit/vulkan/ray.glsl"
 
-const int kPlace = 20;
+const int kPlace = kStaticOutputs + kDynamicOutputs;
 // Of the ray's samples: densities(), and the light that reaches them, here and as the neighbour sees it.
 vec4 density_of[kMaxSamples];
 float transmittance[kMaxSamples], transmittance_there[kMaxSamples];

@@ -29,7 +29,8 @@ Result<GpuBranch> GpuBranch::make(GpuDevice& device, const Branch<float>& branch
   for (GpuRoom* room : {&made.tables, &made.table_mean, &made.table_variance})
     TRY(room->reserve(device, table_bytes));
   TRY(made.d_tables.reserve(device, 2 * table_bytes));
-  TRY(made.network.reserve(device, kMostParameters * kBytes));  // as much as the kernels may see
+  TRY(made.network.reserve(device,
+                           branch_constants::kMostParameters * kBytes));  // as much as the kernels may see
   for (GpuRoom* room : {&made.network_mean, &made.network_variance, &made.d_network})
     TRY(room->reserve(device, mlp.parameters().size_bytes()));
   TRY(made.peaks.reserve(device, kMostLevels * sizeof(std::uint32_t)));

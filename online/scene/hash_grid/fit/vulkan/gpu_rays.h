@@ -11,7 +11,7 @@ namespace hdrcam {
 
 class GpuRays {
  public:
-  static constexpr int kStaticOutputs = StaticHead::kCount, kRawPlanes = kStaticOutputs + DynamicHead::kCount;
+  static constexpr int kRawPlanes = branch_constants::kStaticOutputs + branch_constants::kDynamicOutputs;
   static constexpr int kPlacePlane = kRawPlanes, kGradientPlanes = kRawPlanes + 3;  // of d_raw
   static constexpr int kToldFloats = kBaseChannels + 4, kPlacedPlanes = 6;
   static constexpr int kSeenPlanes = 11;  // per ray, and as many per sample

@@ -7,10 +7,11 @@
 //           displaced ones behind all of them
 //   raw     [static outputs, dynamic outputs][ld], displaced samples as in `placed`
 //   base    [frames of the window, rows, cols, 4 vectors]: BasePixel
+#include "online/scene/hash_grid/field/branch_constants.h"
 #include "online/scene/hash_grid/field/ray_constants.h"
 #include "online/scene/hash_grid/field/vulkan/camera.glsl"
 
-const int kDynamic = 8;  // the dynamic outputs' first plane
+const int kDynamic = kStaticOutputs;  // the dynamic outputs' first plane
 
 struct Base {
   vec4 of[4];

@@ -17,7 +17,7 @@ Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const Fiel
   const GpuTurn turn(device);
   FitPasses passes = TRY(FitPasses::make(device));
   GpuBranch static_branch = TRY(GpuBranch::make(device, networks.static_, 0));
-  GpuBranch dynamic_branch = TRY(GpuBranch::make(device, networks.dynamic, GpuRays::kStaticOutputs));
+  GpuBranch dynamic_branch = TRY(GpuBranch::make(device, networks.dynamic, branch_constants::kStaticOutputs));
   return std::unique_ptr<VulkanFit>(
       new VulkanFit(device, passes, std::move(static_branch), std::move(dynamic_branch)));
 }

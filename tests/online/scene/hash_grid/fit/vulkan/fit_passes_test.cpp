@@ -52,7 +52,7 @@ struct Bench {
     }
     passes = value_of(FitPasses::make(*gpu));
     static_gpu = value_of(GpuBranch::make(*gpu, networks.static_, 0));
-    dynamic_gpu = value_of(GpuBranch::make(*gpu, networks.dynamic, GpuRays::kStaticOutputs));
+    dynamic_gpu = value_of(GpuBranch::make(*gpu, networks.dynamic, branch_constants::kStaticOutputs));
     require_done(static_gpu.reserve(*gpu, kRow));
     require_done(dynamic_gpu.reserve(*gpu, kRow));
     require_done(rays.reserve(*gpu, scene.window, kRays, kSamples));
