@@ -1,5 +1,7 @@
 #include "firmware_host/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 
 namespace hdrcam {
@@ -17,7 +19,15 @@ Flag Flag::required() { return Flag(*option_->required()); }
 
 Flag Flag::check(const WordCheck& check) { return Flag(*option_->check(check)); }
 
-Flag Flag::in_range(int least, int most) { return Flag(*option_->check(CLI::Range(least, most))); }
+Flag Flag::in_range(int least, int most) {
+  option_->description(fmt::format("{} ({}..{})", option_->get_description(), least, most));
+  return check([least, most](const std::string& word) {
+    const auto number = number_in<int>(word);
+    return number && *number >= least && *number <= most
+               ? std::string()
+               : fmt::format("takes a whole number, {} to {}, not '{}'", least, most, word);
+  });
+}
 
 Flag Flag::transform(const std::function<std::string(const std::string&)>& change) {
   return Flag(*option_->transform(change));

@@ -28,15 +28,6 @@ std::string number_needed(const CLI::App& place, const std::string& sentence) {
   return fmt::format("{} takes a {}number, not '{}'", name, whole ? "whole " : "", sentence.substr(end + 3));
 }
 
-// Of "Value 0 not in range 1 to 9", which CLI11 says of words too.
-std::string range_needed(const std::string& name, const std::string& reason) {
-  const std::size_t end = reason.find(" not in range ");
-  const std::string value =
-      reason.substr(std::string_view("Value ").size(), end - std::string_view("Value ").size());
-  return fmt::format("{} takes a whole number, {}, not '{}'", name,
-                     reason.substr(end + std::string_view(" not in range ").size()), value);
-}
-
 // CLI11's words for what is wrong, in ours. Names of flags and arguments stay as the help has them.
 std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
   std::string sentence = refused.what();
@@ -51,8 +42,6 @@ std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
                                   : fmt::format("{} is given {} times; give it once", name, option->count());
     if (sentence.starts_with(name + ": 1 required")) return name + " needs a value";
     const std::string reason = sentence.substr(std::min(name.size() + 2, sentence.size()));
-    if (reason.starts_with("Value ") && reason.find(" not in range ") != std::string::npos)
-      return range_needed(name, reason);
     if (reason.starts_with("takes ")) return name + ' ' + reason;
     return sentence;
   }
