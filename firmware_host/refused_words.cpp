@@ -8,7 +8,6 @@
 #include <array>
 #include <cctype>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "firmware_host/settings/suggestion.h"
