@@ -371,7 +371,7 @@ TEST_CASE("an 8-bit image in a clip of more bits is refused") {
   CHECK(says(error, {"frame 0", "0.png", "8 bits", "12"}));
 }
 
-TEST_CASE("a damaged PNG is an error, never a crash, wherever the damage is") {
+TEST_CASE("a damaged PNG is an error or the same picture, never a crash, wherever the damage is") {
   const std::string path = sample::scratch_folder("png") + "/x.png";
   write_picture(path, 3, 9, 13, 16);
   const std::uint64_t bytes = posix_storage().open(path).value()->size().value();
@@ -382,14 +382,21 @@ TEST_CASE("a damaged PNG is an error, never a crash, wherever the damage is") {
     REQUIRE(!image.ok());
     REQUIRE(sample::error_of(image).code == ErrorCode::Corrupt);
   }
+  const auto whole = read_png(posix_storage(), path, 13, 9);
+  REQUIRE(whole.ok());
+  int refused = 0;
   std::mt19937 random(8);
   for (int trial = 0; trial < 5000; ++trial) {
     std::set<std::uint64_t> bits;
     for (unsigned i = 0, n = 1 + random() % 4; i < n; ++i) bits.insert(random() % (bytes * 8));
     FaultyStorage disk(posix_storage(), {.flipped_bits = {bits.begin(), bits.end()}});
     CAPTURE(bits);
-    REQUIRE_FALSE(read_png(disk, path, 13, 9).ok());
+    const auto image = read_png(disk, path, 13, 9);
+    // libpng 1.6.48 reads on where only the last chunk is damaged
+    if (image.ok()) REQUIRE(sample::same(image.value().samples, whole.value().samples));
+    refused += image.ok() ? 0 : 1;
   }
+  CHECK(refused > 4900);
 }
 
 TEST_CASE("an earlier clip stays until the first image of the clip that replaces it") {
