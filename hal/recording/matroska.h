@@ -7,8 +7,8 @@
 namespace hdrcam::matroska {
 
 // The first bytes of every Matroska file: the identifier of an EBML header.
-constexpr std::array kFileHead{std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf}, std::byte{0xa3}};
-constexpr const char* kCameraTag = "HDRCAM_CAMERA";
-constexpr int kPixelTrack = 0, kFactsTrack = 1;  // stream indices
+inline constexpr std::array kFileHead{std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf}, std::byte{0xa3}};
+inline constexpr const char* kCameraTag = "HDRCAM_CAMERA";
+inline constexpr int kPixelTrack = 0, kFactsTrack = 1;  // stream indices
 
 }  // namespace hdrcam::matroska
