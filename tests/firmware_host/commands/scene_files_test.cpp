@@ -453,7 +453,8 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
     }
   refused({"render", whole, "--stereo", "0.02", "--force", "-o", frames, "--colmap", out + "/colmap"},
           "--stereo");
-  refused({"render", whole, "-o", folder + "/film/%06d.exr", "--flow-backward", out + "/%06d.flo"}, "--flow-backward' (a flag of replay, live)");
+  refused({"render", whole, "-o", folder + "/film/%06d.exr", "--flow-backward", out + "/%06d.flo"},
+          "--flow-backward' (a flag of replay, live)");
 }
 
 TEST_CASE("without a field a model has the frames that state a pose, also where the first states none") {
