@@ -184,6 +184,9 @@ class Camera {
   virtual Result<CapturedBuffer> wait(Duration timeout) = 0;
   // Ends the stream; queued requests are dropped, a waiting wait() returns Interrupted. start() may follow.
   virtual Result<void> stop() = 0;
+  // What to tell the user of the frames so far, such as damaged ones of a recording; empty if there is
+  // nothing.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace hdrcam

@@ -60,6 +60,10 @@ std::string account_of(CameraSource& camera) {
   return text;
 }
 
+void show_warnings(const CameraSource& camera) {
+  for (const std::string& warning : camera.camera_warnings()) remark("warning: {}\n", warning);
+}
+
 bool is_read_as_fast_as_asked(const Settings::Camera& camera) {
   return is_replayed(camera.id) && camera.pace == ReplayPace::AsFastAsAsked;
 }

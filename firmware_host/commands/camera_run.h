@@ -37,6 +37,8 @@ Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& setting
 // At the end of the run: what became of the captured frames, and how their exposures were proved; lines for
 // the user.
 std::string account_of(CameraSource& camera);
+// What the camera says of its frames, at the end of the run: those of a recording that were damaged.
+void show_warnings(const CameraSource& camera);
 
 // Whether the camera is a recording that is read as fast as it is worked on.
 bool is_read_as_fast_as_asked(const Settings::Camera& camera);

@@ -99,6 +99,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
         account_of(*camera) +
             recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
             camera->takes_account());
+  show_warnings(*camera);
   if (const std::string advice = way_out(counters, settings, record); !advice.empty())
     remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);

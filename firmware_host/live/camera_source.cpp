@@ -136,6 +136,7 @@ Result<void> CameraSource::finish(RunRecord& record) {
   for (const std::string& account :
        {exposures_account(), light_account(), trigger_account(), strobe_account()})
     if (!account.empty()) record.notes.push_back(account);
+  std::ranges::move(camera_->warnings(), std::back_inserter(record.notes));
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
 }

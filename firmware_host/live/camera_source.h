@@ -60,6 +60,8 @@ class CameraSource : public FrameSource, public RunControl {
   // That the strobe line has no pulse for any frame so far, or for many one of another width; "" where all
   // fit, or there is none.
   std::string strobe_account() const;
+  // What the camera says of its frames. The session has ended.
+  std::vector<std::string> camera_warnings() const { return camera_->warnings(); }
   // The recordings that a person started, each with its frames so far, a line each; "" where none has any.
   std::string takes_account() const;
   LiveSession& session() { return *session_; }

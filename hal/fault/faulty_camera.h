@@ -40,6 +40,7 @@ class FaultyCamera : public Camera {
   Result<void> queue(const ExposureRequest& request) override;
   Result<CapturedBuffer> wait(Duration timeout) override;
   Result<void> stop() override { return inner_->stop(); }
+  std::vector<std::string> warnings() const override { return inner_->warnings(); }
 
   std::uint64_t delivered() const { return delivered_; }
 

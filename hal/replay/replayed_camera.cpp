@@ -43,24 +43,19 @@ TimestampMark mark_of(const std::vector<FrameFacts>& frames) {
              : TimestampMark::ExposureBegin;
 }
 
-// A camera has no frames to skip.
-Error with_way_out(Error error) {
-  if (error.code == ErrorCode::Corrupt)
-    error.message += "; 'hdrcam repair' makes a recording of the other frames";
-  return error;
-}
-
-// What a camera's capabilities state and a recording states with its frames, of the first ones.
-Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader) {
+// What a camera's capabilities state and a recording states with its frames, of the first ones that are
+// whole.
+Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader, const std::string& path) {
   constexpr std::size_t kFrames = 24;
   std::vector<FrameFacts> frames;
   while (frames.size() < kFrames) {
     auto facts = reader.next_facts();
     if (!facts && facts.error().code == ErrorCode::Truncated && !frames.empty()) break;
-    if (!facts) return with_way_out(facts.error());
+    if (!facts) return facts.error();
     if (!facts.value()) break;
     frames.push_back(**facts);
   }
+  if (frames.empty() && reader.left_out().count > 0) return no_whole_frame(path);
   return frames;
 }
 
@@ -121,7 +116,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     if (started_) return Error{ErrorCode::Invalid, fmt::format("'{}' is being replayed already", path_)};
     if (buffers_.empty())
       return Error{ErrorCode::Invalid, fmt::format("configure '{}' before starting it", path_)};
-    reader_ = TRY(open_recording(storage_, path_));
+    reader_ = TRY(open_recording(storage_, path_, Damage::IsSkipped));
     next_.reset();
     delivered_ = 0;
     due_ = clock_.now();
@@ -171,6 +166,11 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     return {};
   }
 
+  std::vector<std::string> warnings() const override {
+    const std::lock_guard lock(mutex_);
+    return reader_ ? warnings_of(*reader_) : std::vector<std::string>();
+  }
+
  private:
   void give_back(int index) override {
     const std::lock_guard lock(mutex_);
@@ -179,9 +179,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
   Result<void> read_ahead() {
     if (next_) return {};
-    auto next = reader_->next(std::move(room_));
-    if (!next) return with_way_out(next.error());
-    next_ = std::move(next).value();
+    next_ = TRY(reader_->next(std::move(room_)));
     if (!next_)
       return Error{ErrorCode::Unplugged,
                    fmt::format("the recording '{}' ended after {}", path_, counted(delivered_, "frame"))};
@@ -238,7 +236,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
   CameraCapabilities capabilities_;
   StreamMode mode_;
 
-  std::mutex mutex_;  // of everything below
+  mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;
   bool started_ = false;
   std::unique_ptr<RecordingReader> reader_;
@@ -257,7 +255,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
 Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path,
                                                      ReplayPace pace, Clock& clock) {
-  const auto reader = TRY(open_recording(storage, path));
+  const auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
   const CameraFacts& facts = reader->camera();
   const auto format = format_for(facts.layout, facts.bits);
   if (!format)
@@ -266,8 +264,8 @@ Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std
         fmt::format(
             "'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'",
             path, name(facts.layout), facts.bits)};
-  return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(storage, path, facts, *format,
-                                                                  TRY(first_facts(*reader)), pace, clock));
+  return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(
+      storage, path, facts, *format, TRY(first_facts(*reader, path)), pace, clock));
 }
 
 }  // namespace hdrcam

@@ -6,6 +6,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
+#include "tests/support/files.h"
 #include "tests/support/ran.h"
 
 using namespace hdrcam;
@@ -236,6 +237,34 @@ TEST_CASE("a recording runs through live like a camera, to its end") {
   CHECK(counters["captured"] == 24);
   CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 24);
   CHECK(counters["camera.proved"].get<int>() >= 16);
+}
+
+TEST_CASE("a damaged frame of a recording is one that the camera lost, and is named") {
+  const std::string folder = sample::scratch_folder("live_damaged"), path = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "24", "-o", path});
+  std::string bytes = read_whole(posix_storage(), path).value();
+  bytes[bytes.find("{\"index\":9,") - 30] ^= 1;
+  test::write_file(path, bytes);
+  for (const std::string verb : {"live", "record"}) {
+    std::vector<std::string> words{verb, "--camera", "replay:" + path, "--pace", "realtime"};
+    if (verb == "live")
+      words.insert(words.end(), {"--preset", "realtime", "--stats", folder + "/stats.json"});
+    else
+      words.insert(words.end(), {"-o", folder + "/copy.mkv"});
+    const RanHere ended = ran_here(words);
+    INFO(ended.err);
+    REQUIRE(ended.exit_code == kExitOk);
+    const std::string told = "warning: 1 damaged frame left out: 9 (";
+    const auto first = ended.err.find(told);
+    REQUIRE(first != std::string::npos);
+    CHECK(ended.err.find(told, first + 1) == std::string::npos);
+  }
+  const auto stats = json_in(folder + "/stats.json");
+  const auto& counters = stats["counters"];
+  CHECK(counters["captured"] == 23);
+  CHECK(counters["camera.lost"] == 1);
+  CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 23);
+  CHECK(stats["notes"].dump().find("1 damaged frame left out: 9 (") != std::string::npos);
 }
 
 TEST_CASE("a raw camera is recorded raw, and its recording becomes HDR frames") {
