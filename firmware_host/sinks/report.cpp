@@ -111,11 +111,8 @@ std::string tiles(const RunRecord& record) {
   html += tile(fmt::format("{}", record.emitted), "", "HDR frames emitted");
   html += tile(fmt::format("{:.1f}", mean_ms), "ms",
                mean_ms > 0 ? fmt::format("per frame, {:.1f} frames/s", 1000 / mean_ms) : "per frame");
-  if (record.deadline_ms > 0 && !record.frames.empty()) {
-    const auto met = std::count_if(record.frames.begin(), record.frames.end(), [&](const FrameRecord& frame) {
-      return frame.total_ms <= record.deadline_ms;
-    });
-    const double share = 100.0 * static_cast<double>(met) / static_cast<double>(record.frames.size());
+  if (const int worked_on = record.emitted + record.left_out; record.deadline_ms > 0 && worked_on > 0) {
+    const double share = 100.0 * (worked_on - record.late) / worked_on;
     html +=
         tile(fmt::format("{:.0f}", share), "%", fmt::format("of frames within {:.1f} ms", record.deadline_ms),
              share < kMetWell ? "bad" : "good");

@@ -92,6 +92,19 @@ TEST_CASE("frames that do not add up are shown in red") {
   CHECK_THAT(report_html(record, {}), Contains("class=\"bad\">10 captured &ne; 8 emitted + 1 dropped"));
 }
 
+TEST_CASE("the share of frames within the deadline is that of the frames that are not counted as late") {
+  RunRecord record = test::example_run(18);
+  record.frames.front().total_ms = 9 * record.deadline_ms;  // of the first ones, worked on at once
+  record.captured = 20, record.dropped = 2;
+  record.left_out = 2;
+  record.late = 5;
+  CHECK_THAT(report_html(record, {}),
+             Contains("\"bad\">75 <small>%</small></b><span>of frames within 100.0 ms"));
+  record.late = 0;
+  CHECK_THAT(report_html(record, {}),
+             Contains("\"good\">100 <small>%</small></b><span>of frames within 100.0 ms"));
+}
+
 TEST_CASE("a run without frames, scores, response or picture still has a page") {
   const std::string html = report_html(RunRecord{}, {});
   CHECK(unbalanced(html).empty());
