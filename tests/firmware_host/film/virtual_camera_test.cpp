@@ -50,6 +50,7 @@ struct Recorded {
   std::optional<double> texture_px = {};  // instead of one colour: a texture that moved so far
   float gamma = 2.2f;                     // of the response with which it was estimated
   std::optional<double> edges_px = {};    // or edges that did
+  double exposure_s = 0;
 };
 
 float texture(double x, double y) {
@@ -89,6 +90,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
   for (const Recorded& seen : recorded) {
     HdrFrame frame;
     frame.facts.timestamp = Instant::from_seconds(seen.time_s);
+    frame.facts.exposure_s = seen.exposure_s;
     frame.white = 100;
     frame.radiance = Image<float>(3, kRows, kCols), frame.radiance.fill(seen.radiance);
     if (seen.texture_px || seen.edges_px)
@@ -170,6 +172,17 @@ TEST_CASE("pictures that are exposed anew are stated with their exposure, not wi
     CHECK(shown.facts.exposure_s == (*plan.exposure > 0 ? 0.004 : 1.0));
     CHECK(shown.facts.gain() == 1);
   }
+}
+
+TEST_CASE("a shutter angle adds blur, and the exposure that is stated stays the nearest recorded frame's",
+          "[film]") {
+  FilmPlan plan = planned(0, 4, 10);
+  plan.shutter_s = GENERATE(0.0, 0.05);
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 5, .exposure_s = 0.001},
+                               {.time_s = 0.25, .radiance = 10, .exposure_s = 0.004}};
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 4);
+  for (std::size_t i = 0; i < shown.size(); ++i) CHECK(shown[i].facts.exposure_s == (i < 2 ? 0.001 : 0.004));
 }
 
 TEST_CASE("a film's frame is exposed anew through the response with which its own picture was estimated",
