@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "hal/core/geometry.h"
-#include "render/exr.h"
 #include "render/scores/motion_scores.h"
 #include "render/scores/order_statistics.h"
 
 namespace hdrcam {
 Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
-                                    const std::string& folder, WorkerPool& pool) {
-  NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", pool);
+                                    const std::string& folder, ExrCompression compression, WorkerPool& pool) {
+  NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", compression,
+                   pool);
   for (int frame = 0; frame < views.truth_.frames(); ++frame)
     if (views.truth_.novel_camera(frame)) views.frames_.emplace(views.truth_.number(frame), frame);
   return views;
@@ -46,6 +46,7 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
     picture.channels.push_back({std::string(exr_channel::kRadiance[c]),
                                 {novel_.radiance.plane(c), novel_.radiance.plane_size()},
                                 ExrSample::Half});
+  picture.compression = compression_;
   const auto bytes = TRY(encode_exr(picture));
   TRY(storage_->make_directories(folder_));
   return write_whole(*storage_, fmt::format("{}/{:06d}.exr", folder_, found->first), bytes,

@@ -11,26 +11,34 @@
 #include "hal/core/worker_pool.h"
 #include "hal/storage.h"
 #include "online/frame_estimate.h"
+#include "render/exr.h"
 #include "render/scores/ground_truth.h"
 
 namespace hdrcam {
 
 class NovelViews {
  public:
-  // folder: of the HDR frames. Storage and pool outlive the views. Errors: those of GroundTruth.
+  // folder: of the HDR frames, which are compressed like this. Storage and pool outlive the views. Errors:
+  // those of GroundTruth.
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
-                                 WorkerPool& pool);
+                                 ExrCompression compression, WorkerPool& pool);
 
   // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
   Result<void> render(const FrameEstimate& estimate);
 
  private:
-  NovelViews(Storage& storage, GroundTruth truth, std::string folder, WorkerPool& pool)
-      : storage_(&storage), truth_(std::move(truth)), folder_(std::move(folder)), pool_(&pool) {}
+  NovelViews(Storage& storage, GroundTruth truth, std::string folder, ExrCompression compression,
+             WorkerPool& pool)
+      : storage_(&storage),
+        truth_(std::move(truth)),
+        folder_(std::move(folder)),
+        compression_(compression),
+        pool_(&pool) {}
 
   Storage* storage_;
   GroundTruth truth_;
   std::string folder_;
+  ExrCompression compression_;
   WorkerPool* pool_;
   std::map<std::uint64_t, int> frames_;  // of the truth, by sequence number
   FieldPicture own_, novel_;

@@ -153,8 +153,8 @@ Result<void> Run::open_outputs() {
                              pace_));
   if (scene_) TRY(scene_->name_file(storage_, output.path(Settings::Output::kSnapshot)));
   if (!plan_.truth.empty())
-    novel_views_ =
-        TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path(sink_name::kFrames)), pool_));
+    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path(sink_name::kFrames)),
+                                        compression_of(output, pace_), pool_));
   return {};
 }
 

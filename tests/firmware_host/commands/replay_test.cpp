@@ -436,3 +436,30 @@ TEST_CASE("a replay's scores are of the frames that it wrote, and of no others i
   CHECK(fewer.exit_code == 0);
   CHECK(text_of(out + "/000004.exr") == text);
 }
+
+TEST_CASE("novel views are compressed as the frames are") {
+  const std::string folder = sample::scratch_folder("replay_novel"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip", facts = clip + "/gt/gt.json";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
+          0);
+  auto truth = nlohmann::json::parse(text_of(facts));
+  truth["frames"][5]["novel_c2w"] = truth["frames"][5]["c2w"];
+  test::write_file(facts, truth.dump());
+  fs::create_directories(clip + "/gt/novel");
+  fs::copy_file(clip + "/gt/hdr/0005.exr", clip + "/gt/novel/0005.exr");
+  for (const std::string compression : {"none", "zip"}) {
+    const std::string out = folder + "/" + compression;
+    const RanHere ended = ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "--compression",
+                                    compression, "-o", out + "/%06d.exr"});
+    INFO(ended.err);
+    REQUIRE(ended.exit_code == 0);
+    for (const std::string file : {"/000005.exr", "/novel/000005.exr"}) {
+      const std::string name("compression\0compression\0", 24);
+      constexpr std::size_t kSize = 4;  // before the value, which is a byte
+      const std::string bytes = text_of(out + file);
+      const auto at = bytes.find(name);
+      REQUIRE(at != std::string::npos);
+      CHECK(int{bytes.at(at + name.size() + kSize)} == (compression == "none" ? 0 : 3));
+    }
+  }
+}
