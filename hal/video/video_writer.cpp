@@ -217,7 +217,7 @@ PicturePlanes VideoWriter::planes() {
 }
 
 Result<void> VideoWriter::append(Duration since_start) {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_start).count() - left_out_us_;
+  const auto us = std::chrono::round<std::chrono::microseconds>(since_start).count() - left_out_us_;
   const std::int64_t step_us = std::max<std::int64_t>(us - last_us_, 1);
   const std::int64_t shown_us = std::min(step_us, longest_step_us_);
   left_out_us_ += step_us - shown_us;

@@ -40,6 +40,17 @@ TEST_CASE("after a pause that the container cannot state the frames keep their d
   }
 }
 
+TEST_CASE("the times of frames are rounded to microseconds") {
+  const std::string path = sample::scratch_folder("video_times") + "/x.mp4";
+  std::vector<double> times;
+  for (int i = 0; i < 7; ++i) times.push_back(i / 30.0);
+  REQUIRE(test::write_video(path, VideoCodec::H264, moving_stripes(7, 32, 48), times).ok());
+  const test::DecodedVideo video = test::decoded_video(path);
+  REQUIRE(video.frames.size() == times.size());
+  for (std::size_t i = 0; i < times.size(); ++i)
+    CHECK(video.frames[i].time_s == Approx(times[i]).epsilon(0).margin(5.1e-7));
+}
+
 TEST_CASE("HEVC videos of narrow pictures have all their frames, and the encoder keeps to its memory") {
   const std::string folder = sample::scratch_folder("video_narrow");
   const struct { int rows, cols; } sizes[] = {{16, 16}, {34, 34}, {200, 18}, {64, 48}};
