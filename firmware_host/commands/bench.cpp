@@ -154,7 +154,7 @@ void add_bench(CommandLine program, Verb& chosen) {
       .check(names_file);
   verb.add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
       .required()
-      .check(names_file);
+      .check(names_folder);
   verb.add_option("--point", flags->points,
                   "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");
   verb.add_option("--frames", flags->walk.frames, "frames to take of each clip [all]").check(counts_frames());

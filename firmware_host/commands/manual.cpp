@@ -15,7 +15,7 @@ void add_manual(CommandLine program, Verb& chosen) {
   CommandLine verb = program.add_verb("manual", "write the manual pages, for an installation");
   verb.add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
       .required()
-      .check(names_file);
+      .check(names_folder);
   verb.on_chosen([folder, program, &chosen] {
     chosen = [folder, program](Surroundings& around) -> Result<void> {
       TRY(around.storage.make_directories(*folder));

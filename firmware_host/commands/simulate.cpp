@@ -185,7 +185,7 @@ void add_simulate(CommandLine program, Verb& chosen) {
                   "name and settings, for instance walk?seed=3&size=320x240&objects=5");
   verb.add_option("-o,--output", flags->output, "the recording to write (.mkv)").check(names_file);
   verb.add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
-      .check(names_file);
+      .check(names_folder);
   verb.add_option("--frames", flags->frames, "frames to film").show_default().in_range(1, 1'000'000);
   verb.add_option("--format", flags->format, "pixel format: rgb or bayer").show_default();
   verb.add_option("--bits", flags->bits, "bits per sample [8 for rgb, 12 for bayer]").in_range(8, 16);

@@ -150,6 +150,10 @@ std::string names_file(const std::string& word) {
   return word.empty() ? "takes the name of a file or a folder, not ''" : "";
 }
 
+std::string names_folder(const std::string& word) {
+  return word == "-" ? "takes the name of a folder, not '-', the standard output" : names_file(word);
+}
+
 std::string shell_word(std::string_view word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";

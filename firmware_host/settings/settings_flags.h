@@ -21,6 +21,8 @@ std::string shell_word(std::string_view word);
 // What a flag for a file or a folder takes: "" for a name, else a clause that says so. A shell hands over an
 // empty word for "$OUT" where OUT is not set.
 std::string names_file(const std::string& word);
+// The same of a flag for a folder to write, which takes no "-" either.
+std::string names_folder(const std::string& word);
 
 class SettingsFlags {
  public:

@@ -138,6 +138,20 @@ TEST_CASE("an empty name of a file or a folder is refused by every verb and ever
   }
 }
 
+TEST_CASE("no verb makes a folder for the standard output") {
+  const std::vector<std::vector<std::string>> lines{{"export", kDemo, "-o", "-"},
+                                                    {"simulate", "walk", "--truth", "-"},
+                                                    {"manual", "-o", "-"},
+                                                    {"bench", "pareto", "clip", "-o", "-"}};
+  for (const auto& line : lines) {
+    INFO(line.front());
+    const RanHere run = ran_here(line);
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Contains("takes the name of a folder, not '-', the standard output"));
+    CHECK_FALSE(fs::exists("./-"));
+  }
+}
+
 TEST_CASE("a run that is refused leaves no folder of its outputs") {
   const std::string folder = sample::scratch_folder("kept_refused"), out = folder + "/out";
   for (const std::vector<std::string>& flags :
