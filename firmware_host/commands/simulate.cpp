@@ -147,6 +147,7 @@ Result<void> list_scenes(const SimulateFlags& flags) {
 }
 
 Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surroundings& around) {
+  if (flags.list) return list_scenes(flags);
   if (flags.scene.empty())
     return Error{ErrorCode::Invalid, "no scene given; 'hdrcam simulate --list' prints the scenes"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
@@ -195,10 +196,7 @@ void add_simulate(CommandLine program, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "record.codec",
                                      "machine.memory_mib"});
-  verb.on_chosen([flags, &chosen] {
-    chosen =
-        flags->list ? [flags](Surroundings&) { return list_scenes(*flags); } : with_settings(flags, simulate);
-  });
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, simulate); });
 }
 
 }  // namespace hdrcam

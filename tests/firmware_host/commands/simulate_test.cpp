@@ -205,6 +205,13 @@ TEST_CASE("simulate refuses in a sentence what it cannot do") {
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
 }
 
+TEST_CASE("the list of scenes heeds --config and --print-config") {
+  const std::string settings = run_simulate("--list --print-config").output;
+  CHECK(settings.find("[schedule]") != std::string::npos);
+  CHECK(settings.find("a street against the sun") == std::string::npos);
+  CHECK(run_simulate("--list --config nosuch.toml").exit_code == exit_code_of(ErrorCode::NotFound));
+}
+
 TEST_CASE("a simulation that is stopped before its first frame says so and leaves nothing") {
   const std::string folder = sample::scratch_folder("simulate_stopped_at_once");
   const test::RanHere run = test::ran_here(
