@@ -101,7 +101,8 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   for (const CLI::Option* option : place.get_options())
     for (const auto& word : option->get_lnames()) flags.push_back("--" + word);
 
-  const std::vector<std::string> extras = app.remaining(true);
+  std::vector<std::string> extras = app.remaining(true);
+  std::erase(extras, "--");  // which ends the flags, and is none
   const auto extra_flag = std::find_if(extras.begin(), extras.end(),
                                        [](const std::string& word) { return word.starts_with('-'); });
   if (extra_flag != extras.end()) {

@@ -190,6 +190,14 @@ TEST_CASE("a short flag takes its value behind an equals sign, too") {
   CHECK_THAT(ran_here({"info", "--", "-o=x"}).err, Contains("'-o=x' does not exist"));
 }
 
+TEST_CASE("the mark that ends the flags is not called an unknown one") {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info", "--"}, {"repair", "--", "no.mkv"}})
+    CHECK_THAT(ran_here(words).err, Contains(" is required; see 'hdrcam ") && !Contains("unknown flag"));
+  CHECK_THAT(ran_here({"info", "--", "no.mkv", "other.mkv"}).err,
+             Contains("unexpected argument 'other.mkv'"));
+}
+
 TEST_CASE("a flag that may be repeated takes one word each time, and the word behind it is an argument") {
   const RanHere replay =
       ran_here({"replay", "--set", "steps=0", "no.mkv", "-o", "o/%06d.exr", "--set=hidden=8"});
