@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "firmware_host/commands/command.h"
@@ -34,8 +35,9 @@ struct RenderFlags {
 };
 
 // Outputs of runs that fit, and of recorded frames: what moves between them is known of those alone.
-constexpr const char* kOfOtherVerbs[] = {Settings::Output::kSnapshot, "flow_forward", "flow_backward",
-                                         "field_flow_forward", "field_flow_backward"};
+constexpr std::string_view kOfOtherVerbs[] = {Settings::Output::kSnapshot, sink_name::kFlowForward,
+                                              sink_name::kFlowBackward, sink_name::kFieldFlowForward,
+                                              sink_name::kFieldFlowBackward};
 
 bool is_png(const std::string& path) { return path.ends_with(".png"); }
 
@@ -221,7 +223,7 @@ Result<void> render_recording(const RenderFlags& flags, const Settings& settings
 
 // Without what a file of settings asks of other verbs.
 Settings of_a_film(const SettingsFlags& flags, Settings asked) {
-  for (const char* output : kOfOtherVerbs) asked.output.paths.erase(output);
+  for (const std::string_view output : kOfOtherVerbs) asked.output.paths.erase(std::string(output));
   ExrLayers& layers = asked.output.layers;
   if (flags.given({"output.layers"}).empty())
     layers.flow = layers.flow_forward = layers.field_flow = layers.field_flow_forward = false;
@@ -292,7 +294,7 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
 // All frames of a film count, and its page has no camera to record.
 std::vector<std::string> not_of_a_film() {
   std::vector<std::string> keys{"fit.deadline", "output.http_record"};
-  for (const char* output : kOfOtherVerbs) keys.push_back(fmt::format("output.{}", output));
+  for (const std::string_view output : kOfOtherVerbs) keys.push_back(fmt::format("output.{}", output));
   return keys;
 }
 

@@ -83,8 +83,8 @@ void note_fallbacks(const OnlineStage& online, RunRecord& record) {
 // ask.
 std::size_t frames_kept(const RunPlan& plan, RunPace pace) {
   const Settings::Output& output = plan.settings.output;
-  const bool are_read =
-      plan.record != nullptr || !output.path("stats").empty() || !output.path("report").empty();
+  const bool are_read = plan.record != nullptr || !output.path(sink_name::kStats).empty() ||
+                        !output.path(sink_name::kReport).empty();
   return pace == RunPace::Clip && are_read ? std::numeric_limits<std::size_t>::max() : kFramesKept;
 }
 
