@@ -90,6 +90,9 @@ Error unknown_verb(std::string_view typed) {
 // "hdrcam help [TOPIC]" is rewritten to the equivalent flag. topics: "bench", or "bench", "kernels".
 Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   const std::string_view topic = topics.empty() ? "help" : topics.front();
+  const bool is_verb = topic != "help" && topic != "exit-codes";
+  if (!is_verb && topics.size() > 1)
+    return Error{ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see 'hdrcam --help'", topics[1])};
   if (topic == "help") return Request{nullptr, {}, help_text(app)};
   if (topic == "exit-codes") return Request{nullptr, {}, exit_code_text()};
   if (const auto known = verb_names(); std::ranges::find(known, topic) == known.end())
@@ -137,8 +140,7 @@ bool takes_value(const CLI::App& verb, const std::string& flag) {
 }
 
 // The words as the parser takes them. CLI11 takes the word behind "--view=" for its value, which is empty,
-// and
-// "=x" for the value of "-o=x".
+// and "=x" for the value of "-o=x".
 std::vector<std::string> words_of(const CLI::App& app, std::span<const char* const> args) {
   std::vector<std::string> words;
   const CLI::App* verb = &app;

@@ -90,6 +90,11 @@ TEST_CASE("help explains a verb of a verb") {
   const RanHere unknown = ran_here({"help", "bench", "paretto"});
   CHECK(unknown.exit_code == kExitUsage);
   CHECK_THAT(unknown.err, Contains("unexpected argument 'paretto'; see 'hdrcam bench --help'"));
+  for (const char* topic : {"help", "exit-codes", "info"}) {
+    const RanHere beyond = ran_here({"help", topic, "walk.mkv"});
+    CHECK(beyond.exit_code == kExitUsage);
+    CHECK_THAT(beyond.err, Contains("unexpected argument 'walk.mkv'"));
+  }
 }
 
 TEST_CASE("the help of a verb lists no flag that it never takes") {
