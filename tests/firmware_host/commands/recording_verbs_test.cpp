@@ -277,15 +277,6 @@ TEST_CASE("repair writes the whole frames of a cut or damaged recording, each wi
     }
     CHECK(place == 6);
   }
-  SECTION("damaged, with a blank in its name") {
-    const std::string spaced = folder + "/my walk.mkv";
-    std::string text = text_of(path);
-    text[text.size() / 2] ^= 1;
-    write_file(spaced, text);
-    const test::Ran ran = test::ran({"info", spaced});
-    CHECK(ran.exit_code != 0);
-    CHECK(ran.output.find("hdrcam repair '" + spaced + "' -o FILE") != std::string::npos);
-  }
   SECTION("cut") {
     FaultyStorage disk(posix_storage(), {.cut_at_bytes = bytes * 3 / 5});
     CHECK(sample::error_of(hdrcam_verb("info " + path, disk)).code == ErrorCode::Truncated);
