@@ -74,12 +74,14 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, const Black
   constexpr float kAboveBlack = 8;  // codes of 255
   constexpr double kStretch = 1.1;
   const float black = black_level[kGreen];
+  const float largest = std::log((255 - black) / 255);  // what the largest code is, as of linear()
   PhotometricResponse response(black + kAboveBlack, kStretch);
   for (std::size_t z = 0; z < 256; ++z) {
     const float code = std::max(0.f, (static_cast<float>(z) - black) * 255 / (255 - black));
     const auto below = std::min<std::size_t>(254, static_cast<std::size_t>(code));
     const float t = code - static_cast<float>(below);
-    response.log_[z] = std::log(std::max(1e-6f, inverse[below] + t * (inverse[below + 1] - inverse[below])));
+    const float exposure = inverse[below] + t * (inverse[below + 1] - inverse[below]);
+    response.log_[z] = largest + std::log(std::max(1e-6f, exposure));
   }
   return response;
 }

@@ -26,7 +26,8 @@ class PhotometricResponse {
   // What is assumed until a fit has estimated the response. linear: the codes are raw. black_level: where
   // somebody states it.
   static PhotometricResponse before_any_fit(bool linear, const std::optional<BlackLevel>& black_level);
-  // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
+  // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255. On
+  // the scale of linear(), by which frames of another black level are compared with it.
   static PhotometricResponse known(const Curve& inverse, const BlackLevel& black_level);
 
   // ln of relative exposure; -inf for codes too dark to measure, +inf for clipped ones.

@@ -37,6 +37,20 @@ TEST_CASE("a raw code so far above black is the same light, whatever the black l
   }
 }
 
+TEST_CASE("what a fit has learned of raw codes is the same light as codes of another black level",
+          "[capture]") {
+  PhotometricResponse::Curve inverse;
+  for (std::size_t z = 0; z < inverse.size(); ++z) inverse[z] = static_cast<float>(z) / 255;
+  for (const float black : {0.f, 16.f, 64.f}) {
+    const auto learned = PhotometricResponse::known(inverse, BlackLevel(black));
+    const auto other = PhotometricResponse::before_any_fit(true, BlackLevel(40));
+    for (const float above : {25.f, 102.f, 180.f}) {
+      CAPTURE(black, above);
+      CHECK(learned.log_exposure(black + above) == Approx(other.log_exposure(40 + above)).margin(1e-4));
+    }
+  }
+}
+
 TEST_CASE("codes that are too dark or may be clipped have no exposure", "[capture]") {
   const auto response = PhotometricResponse::before_any_fit(true, BlackLevel(16));
   CHECK(response.log_exposure(17) < -1e30f);
