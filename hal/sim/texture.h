@@ -18,7 +18,8 @@ using Texel = float __attribute__((vector_size(16)));
 inline Texel texel_of(Colour c) { return Texel{c.x, c.y, c.z, 0}; }
 inline Colour colour_of(Texel t) { return {t[0], t[1], t[2]}; }
 
-// A tile that repeats in both directions without a seam, with a mip pyramid. Its mean luminance is about 1.
+// A tile that repeats in both directions without a seam, with a mip pyramid. As radiance its mean luminance
+// is about 1.
 class Texture {
  public:
   static constexpr int kSide = 256;  // texels
