@@ -130,8 +130,9 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
         gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
         gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
   };
-  return GpioChipState{gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()),
-                       lines_by_number(gpiod_chip_info_get_num_lines(info.get()), state_of)};
+  return GpioChipState{
+      gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()),
+      lines_by_number(static_cast<unsigned>(gpiod_chip_info_get_num_lines(info.get())), state_of)};
 }
 
 }  // namespace hdrcam
