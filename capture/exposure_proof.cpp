@@ -29,6 +29,13 @@ double stops_within(Duration within, Duration exposure) {
   return std::log2(1 + to_seconds(within) / to_seconds(exposure));
 }
 
+// By how many stops the gains of a cycle differ.
+double gain_stops(std::span<const Exposure> cycle) {
+  if (cycle.empty()) return 0;
+  const auto [least, most] = std::ranges::minmax(cycle, {}, &Exposure::gain);
+  return std::log2(most.gain / least.gain);
+}
+
 // The first claim that states `value`; null for none.
 const ExposureClaim* claim_saying(const FrameEvidence& evidence, double value) {
   const auto found = std::ranges::find_if(
@@ -93,6 +100,19 @@ void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) c
   }
 }
 
+// What an exposure of the cycle is if each time goes with the gain `shift` slots after its own, as where a
+// control delay is wrong for one of the two. Several where slots are alike; itself where it is of no slot.
+InlineList<double, ExposureProof::kCandidates> ExposureProof::with_gain_of(std::size_t shift,
+                                                                           double value) const {
+  InlineList<double, kCandidates> values;
+  const auto cycle = current_cycle();
+  for (std::size_t i = 0; shift > 0 && i < cycle.size(); ++i)
+    if (std::abs(log_product(cycle[i]) - value) <= kSameToPictures)
+      values.push_back(value + std::log(cycle[(i + shift) % cycle.size()].gain / cycle[i].gain));
+  if (values.empty()) values.push_back(value);
+  return values;
+}
+
 // Whether frame `age` may have this exposure, given those of the newer frames.
 bool ExposureProof::fits(std::size_t age, double value, const std::array<double, kWindow>& assigned) const {
   for (std::size_t newer = 0; newer < age; ++newer) {
@@ -104,9 +124,9 @@ bool ExposureProof::fits(std::size_t age, double value, const std::array<double,
   return true;
 }
 
-// The least number of outliers among all explanations, given the assignment of the newer frames; kNever if it
-// is not below bound.
-int ExposureProof::fewest_outliers(std::size_t age, int outliers, int bound,
+// The least number of outliers among all explanations with gains so shifted, given the assignment of the
+// newer frames; kNever if it is not below bound.
+int ExposureProof::fewest_outliers(std::size_t age, int outliers, int bound, std::size_t shift,
                                    std::array<double, kWindow>& assigned) const {
   if (outliers >= bound) return kNever;
   if (age == count_) return outliers;
@@ -115,18 +135,32 @@ int ExposureProof::fewest_outliers(std::size_t age, int outliers, int bound,
   const bool proved = frame.judgement.verdict == Verdict::Proved;
   for (const double value : frame.values) {
     if (proved && !same_exposure(value, frame.judgement.label.log_value())) continue;
-    if (!fits(age, value, assigned)) continue;
-    assigned[age] = value;
-    fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), assigned));
-    if (fewest == outliers) return fewest;
+    for (const double shown : with_gain_of(proved ? 0 : shift, value)) {
+      if (!fits(age, shown, assigned)) continue;
+      assigned[age] = shown;
+      fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), shift, assigned));
+      if (fewest == outliers) return fewest;
+    }
   }
   assigned[age] = kOutlier;
-  return std::min(fewest, fewest_outliers(age + 1, outliers + 1, std::min(bound, fewest), assigned));
+  return std::min(fewest, fewest_outliers(age + 1, outliers + 1, std::min(bound, fewest), shift, assigned));
 }
 
-ExposureProof::Explanations ExposureProof::explain() const {
-  constexpr int kMostOutliers = 2, kMargin = 2,
-                kBound = kMostOutliers + kMargin + 1;  // higher costs are all alike
+// The same, if the newest frame has the time of `value` and another slot's gain that pictures can tell from
+// its own.
+int ExposureProof::fewest_with_other_gains(double value) const {
+  std::array<double, kWindow> assigned{};
+  int fewest = kNever;
+  for (std::size_t shift = 1; shift < current_count_; ++shift)
+    for (const double shown : with_gain_of(shift, value)) {
+      if (std::abs(shown - value) <= kSameToPictures) continue;
+      assigned[0] = shown;
+      fewest = std::min(fewest, fewest_outliers(1, 0, kBound, shift, assigned));
+    }
+  return fewest;
+}
+
+ExposureProof::Explanations ExposureProof::explain(bool time_alone) const {
   Explanations result;
   const Frame& newest = back(0);
   std::array<double, kWindow> assigned{};
@@ -134,7 +168,7 @@ ExposureProof::Explanations ExposureProof::explain() const {
   int fewest = kNever, second = kNever;
   for (std::size_t i = 0; i < newest.values.size(); ++i) {
     assigned[0] = newest.values[i];
-    const int outliers = fewest_outliers(1, 0, kBound, assigned);
+    const int outliers = fewest_outliers(1, 0, kBound, 0, assigned);
     result.outliers_if[i] = outliers;
     if (outliers < fewest) {
       second = fewest;
@@ -145,11 +179,16 @@ ExposureProof::Explanations ExposureProof::explain() const {
     }
   }
   assigned[0] = kOutlier;
-  result.outliers_if_newest_is_one = fewest_outliers(1, 1, kBound, assigned);
+  result.outliers_if_newest_is_one = fewest_outliers(1, 1, kBound, 0, assigned);
   result.fewest_outliers = fewest;
   result.fits_nothing = result.outliers_if_newest_is_one < fewest;
   if (fewest <= kMostOutliers && fewest + kMargin <= second && fewest < result.outliers_if_newest_is_one)
     result.unique = best;
+  if (time_alone && fewest < kNever) {
+    const int otherwise = fewest_with_other_gains(newest.values[best]);
+    if (otherwise < fewest + kMargin) result.unique.reset();
+    result.other_gains_fit_better = otherwise < fewest;
+  }
   return result;
 }
 
@@ -240,7 +279,9 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
   judgement.within_ev = open_interval_ev(judgement.label.log_value());
   const Duration time = judgement.label.exposure.time;
   if (evidence.strobe_width)
-    judgement.within_ev = std::min(judgement.within_ev, stops_within(strobe_slack(time), time));
+    judgement.within_ev = std::min(
+        judgement.within_ev, stops_within(strobe_slack(time), time) +
+                                 std::min(gain_stops(current_cycle()), kSameToPictures / std::numbers::ln2));
   if (evidence.pulse_within && is_best)
     judgement.within_ev = std::min(judgement.within_ev, stops_within(*evidence.pulse_within, time));
   // Unanimous, but the neighbours are not trusted themselves.
@@ -261,7 +302,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
                   [&](const ExposureClaim& other) { return same_exposure(other.log_value(), claimed); });
 
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
-      another_explains_better(claimed, explanations)) {
+      another_explains_better(claimed, explanations) || explanations.other_gains_fit_better) {
     judgement.verdict = Verdict::Contradicted;
     judgement.as_by_light = differs_as_by_light(claimed);
   } else if (!claims_agree ||
@@ -314,7 +355,7 @@ Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricS
   FrameEvidence counted = evidence;
   if (strobe_refuses && evidence.claims[0].source == ExposureSource::Embedded) counted.strobe_width.reset();
   gather_values(counted, frame);
-  frame.judgement = weigh(counted, explain());
+  frame.judgement = weigh(counted, explain(counted.strobe_width.has_value()));
   // without the pictures' word the sensor's stands against the pulse's
   if (strobe_refuses && !frame.judgement.unique && frame.judgement.verdict == Verdict::Proved)
     frame.judgement.verdict = Verdict::Plausible;

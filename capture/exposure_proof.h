@@ -23,6 +23,9 @@
 //    not unique, nothing contradicts             -> plausible
 //    A strobe pulse that is not as long as the sensor itself says in this frame does not count: it is another
 //    frame's, or no exposure at all. Against every other claim it does.
+//    A strobe shows time, not gain. Where the gains of the cycle differ, a frame with a pulse is unique only
+//    if each time with the gain of another slot, as many slots away for all frames (a control delay that is
+//    wrong for one of the two), costs two more as well; contradicted if that explains the pictures better.
 // 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and are kept out of the fit.
 //
 // The proof covers the product time x gain, relative to the neighbouring frames, to within `within_ev`.
@@ -117,8 +120,10 @@ class ExposureProof {
     int fewest_outliers = kNever;
     std::optional<std::size_t> unique;  // index into the newest frame's values
     bool fits_nothing = false;          // the newest frame is the outlier
+    bool other_gains_fit_better = false;
   };
-  static constexpr int kNever = kWindow + 1;
+  static constexpr int kNever = kWindow + 1, kMostOutliers = 2, kMargin = 2;
+  static constexpr int kBound = kMostOutliers + kMargin + 1;  // higher costs are all alike
 
   Frame& back(std::size_t age) { return ring_[(newest_ + kWindow - age) % kWindow]; }
   const Frame& back(std::size_t age) const { return ring_[(newest_ + kWindow - age) % kWindow]; }
@@ -127,8 +132,12 @@ class ExposureProof {
   std::span<const Exposure> current_cycle() const { return all_candidates().first(current_count_); }
 
   void gather_values(const FrameEvidence& evidence, Frame& frame) const;
-  Explanations explain() const;
-  int fewest_outliers(std::size_t age, int outliers, int bound, std::array<double, kWindow>& assigned) const;
+  // time_alone: a strobe chose among the candidates, which shows no gain.
+  Explanations explain(bool time_alone) const;
+  InlineList<double, kCandidates> with_gain_of(std::size_t shift, double value) const;
+  int fewest_outliers(std::size_t age, int outliers, int bound, std::size_t shift,
+                      std::array<double, kWindow>& assigned) const;
+  int fewest_with_other_gains(double value) const;
   bool fits(std::size_t age, double value, const std::array<double, kWindow>& assigned) const;
   struct Votes {
     int against = 0, in_favour = 0;

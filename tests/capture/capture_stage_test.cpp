@@ -321,6 +321,22 @@ TEST_CASE("the strobe proves what pictures cannot: a cycle of one, and a scene i
   CHECK(embedded.proved >= 95);
 }
 
+TEST_CASE("a strobe proves no wrong gain where the control delay that is given is wrong for the time alone",
+          "[capture]") {
+  for (const int latency : {1, 2, 3})
+    for (const double key : {0.05, 1.0, 3.0, 8.0}) {
+      const SensorSettings settings{
+          .per_request = false, .latency = latency, .strobe_offset = 2ms, .key = key};
+      const CaptureOptions options{
+          .delays = ControlDelays{3, 0}, .strobe = StrobePulse::SpansExposure, .strobe_after_timestamp = 2ms};
+      const Tally tally = run(settings, {}, 4, 200, options);
+      CAPTURE(latency, key, describe(tally));
+      CHECK(tally.proved_wrong == 0);
+      if (latency == 3)
+        CHECK(tally.proved >= (key < 5 ? 140 : 80));  // right; most of a bright one is clipped
+    }
+}
+
 TEST_CASE("lost frames are counted, and the frame after them says so", "[capture]") {
   MisbehavingCamera sensor({}, {.drop = 0.1, .drop_run = 3, .damage = 0.05});
   auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});

@@ -412,6 +412,43 @@ TEST_CASE("a strobe pulse of another length does not outweigh what the sensor em
   for (int i = 0; i < 8; ++i) CHECK(one.judge(k4, evidence).verdict == Verdict::Plausible);
 }
 
+// A control delay that is wrong for the time alone, and corrected by the strobe: the gain is another slot's.
+TEST_CASE("a strobe pulse shows no gain, so that a time with the gain of another slot is never proved",
+          "[capture]") {
+  constexpr Exposure kAmplified[] = {{250us, 1}, {1ms, 1}, {4ms, 2}};
+  for (const bool longest_seen : {false, true}) {
+    Bench bench(kAmplified);
+    for (std::size_t i = 0; i < 30; ++i) {
+      const Exposure &claimed = kAmplified[i % 3], shown{claimed.time, kAmplified[(i + 2) % 3].gain};
+      FrameEvidence evidence = claims({predicted(claimed)});
+      evidence.strobe_width = claimed.time + 15us;
+      const Judgement judgement =
+          claimed.time == 4ms && !longest_seen ? bench.judge(evidence, dark()) : bench.judge(shown, evidence);
+      CAPTURE(longest_seen, i);
+      const bool wrongly_proved =
+          judgement.verdict == Verdict::Proved && !(judgement.label.exposure == shown);
+      CHECK_FALSE(wrongly_proved);
+    }
+  }
+}
+
+TEST_CASE("with a strobe frames of different gains are proved as soon as pictures tell the gain",
+          "[capture]") {
+  constexpr Exposure kAmplified[] = {{250us, 1}, {1ms, 1}, {4ms, 2}};
+  Bench bench(kAmplified);
+  for (std::size_t i = 0; i < 30; ++i) {
+    const Exposure& exposure = kAmplified[i % 3];
+    FrameEvidence evidence = claims({predicted(exposure)});
+    evidence.strobe_width = exposure.time + 15us;
+    const bool seen = i != 20;
+    const bool told = seen && i >= 2;  // by two pictures of other slots
+    const Judgement judgement = seen ? bench.judge(exposure, evidence) : bench.judge(evidence, dark());
+    CAPTURE(i);
+    CHECK(judgement.verdict == (told ? Verdict::Proved : Verdict::Plausible));
+    CHECK(judgement.label.exposure == exposure);
+  }
+}
+
 TEST_CASE("evidence that is forgotten decides nothing any more", "[capture]") {
   Bench bench(kThree);
   bench.prove(kThree);
