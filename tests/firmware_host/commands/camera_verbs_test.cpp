@@ -251,13 +251,13 @@ TEST_CASE("a damaged frame of a recording is one that the camera lost, and is na
       words.insert(words.end(), {"--preset", "realtime", "--stats", folder + "/stats.json"});
     else
       words.insert(words.end(), {"-o", folder + "/copy.mkv"});
-    const RanHere ended = ran_here(words);
-    INFO(ended.err);
+    const test::Ran ended = test::ran(words);  // the log is that of a process
+    INFO(ended.output);
     REQUIRE(ended.exit_code == kExitOk);
     const std::string told = "warning: 1 damaged frame left out: 9 (";
-    const auto first = ended.err.find(told);
+    const auto first = ended.output.find(told);
     REQUIRE(first != std::string::npos);
-    CHECK(ended.err.find(told, first + 1) == std::string::npos);
+    CHECK(ended.output.find(told, first + 1) == std::string::npos);
   }
   const auto stats = json_in(folder + "/stats.json");
   const auto& counters = stats["counters"];
