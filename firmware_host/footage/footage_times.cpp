@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "hal/core/median.h"
 #include "hal/core/sound_facts.h"
@@ -44,6 +46,13 @@ Result<void> take_regular_times(FootageScan& seen, double rate_hz, std::string& 
   return {};
 }
 
+std::vector<double> intervals_between(std::span<const FrameFacts> frames) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    intervals_s.push_back(to_seconds(frames[i].timestamp - frames[i - 1].timestamp));
+  return intervals_s;
+}
+
 // Of stills the median. Matroska has times in milliseconds, so that a video's intervals of one frame differ:
 // their mean, or what the file states where rounding may be the difference.
 double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times, double stated_hz) {
@@ -65,9 +74,7 @@ double usual_interval_s(const FootageScan& seen, std::size_t file) {
   const std::size_t begin = seen.begins[file];
   const std::size_t end = file + 1 < seen.begins.size() ? seen.begins[file + 1] : seen.facts.size();
   if (end - begin <= kFewest) return 0;
-  std::vector<double> intervals_s;
-  for (std::size_t i = begin + 1; i < end; ++i)
-    intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
+  std::vector<double> intervals_s = intervals_between(std::span(seen.facts).subspan(begin, end - begin));
   return median(intervals_s);
 }
 
@@ -93,9 +100,7 @@ Result<void> check_one_rate(const FootageScan& seen) {
 // taken when somebody wishes.
 void read_times(FootageScan& seen, TimeOrigin times) {
   constexpr double kMostMissing = 1e9;  // between two frames: beyond it the times are wrong
-  std::vector<double> intervals_s;
-  for (std::size_t i = 1; i < seen.facts.size(); ++i)
-    intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
+  const std::vector<double> intervals_s = intervals_between(seen.facts);
   const double usual_s = usual_interval_s(intervals_s, times, seen.camera.framerate_hz);
   if (!(usual_s > 0)) return;  // no times worth the name
   seen.camera.framerate_hz = 1 / usual_s;
