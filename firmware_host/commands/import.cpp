@@ -205,8 +205,7 @@ void warn_of_phase(const FootagePlan& plan) {
   if (plan.walk.ambiguous)
     remark(
         "warning: the pictures show as well that the cycle begins with another exposure; all exposures may "
-        "be "
-        "wrong by one factor, so import more frames\n");
+        "be wrong by one factor, so import more frames\n");
 }
 
 // Cut footage is an error after all that is there was imported, as a cut recording is.

@@ -28,6 +28,7 @@ class SnapshotFilm {
         storage_(storage),
         pool_(thread_count(plan.settings.fit), ThreadPriority::Usual),
         film_(*plan.film, balance, pool_),
+        most_records_(frames_kept(plan, RunPace::Clip)),
         record_(opened_record(plan, scene.camera, RunPace::Clip, pool_.threads())) {
     if (plan.progress != nullptr) progress_.emplace(plan.progress, plan.film->frames);
   }
@@ -44,7 +45,7 @@ class SnapshotFilm {
     if (!note.empty()) record_.notes.push_back(note);
     add_findings(film_, record_);
     record_.response = curves_of(*scene_.response);
-    close_record(frames_kept(plan_, RunPace::Clip), wall.lap_ms() / 1e3, record_);
+    close_record(most_records_, wall.lap_ms() / 1e3, record_);
     record_.sinks = sinks_.times();
     if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
     where = sinks_.whole_outputs(storage_);
@@ -66,7 +67,7 @@ class SnapshotFilm {
 
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
     ++record_.captured;
-    FrameRecord& kept = keep(made, frames_kept(plan_, RunPace::Clip), record_);
+    FrameRecord& kept = keep(made, most_records_, record_);
     TRY(sinks_.emit({hdr, input, made}));
     kept.total_ms = between_shows_.lap_ms();
     if (progress_) progress_->frame_done(kept.total_ms, std::nullopt);
@@ -79,6 +80,7 @@ class SnapshotFilm {
   WorkerPool pool_;
   VirtualCamera film_;
   SinkSet sinks_;
+  const std::size_t most_records_;
   RunRecord record_;
   std::optional<Progress> progress_;  // none where nobody looks
   Stopwatch between_shows_;

@@ -20,7 +20,6 @@ constexpr std::uint64_t kOwnHead = 64;  // bytes: what lies in them is of the fi
 // Before the blocks of a cluster and, of a group, behind its block: its duration, what it refers to.
 constexpr std::uint64_t kBesideBlocks[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7, 0x9b, 0xfb};
 constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
-constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
 
 std::uint64_t number(std::span<const std::byte> bytes) {
   std::uint64_t value = 0;
@@ -71,12 +70,12 @@ Result<ClusterScan::Place> ClusterScan::find_identifier() {
 
 // Whether the block is one of our two tracks. A picture whose facts are missing gives way to the next one.
 Result<bool> ClusterScan::take_block(const Element& block, FoundCluster& found) {
-  if (block.size < kBlockHead || block.size > most_bytes_) return false;
+  if (block.size < matroska::kBlockHead || block.size > most_bytes_) return false;
   std::vector<std::byte> bytes(block.size);
   if (TRY(file_.read_at(block.content, bytes)) != bytes.size()) return false;
   behind_ = block.content + block.size;                      // not of its group, whose size may be damaged
   const auto track = std::to_integer<int>(bytes[0]) - 0x81;  // numbered from 1; 0x80 marks the length
-  const auto content = std::span(bytes).subspan(kBlockHead);
+  const auto content = std::span(bytes).subspan(matroska::kBlockHead);
   const auto* begin = reinterpret_cast<const std::uint8_t*>(content.data());
   if (track == matroska::kPixelTrack) return found.picture.assign(begin, begin + content.size()), true;
   if (track == matroska::kFactsTrack) return found.facts.assign(begin, begin + content.size()), true;

@@ -311,9 +311,8 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   if (record->is_end) return std::optional<FrameFacts>();
   if (const auto objection = objection_to(record->facts, before_ ? &*before_ : nullptr))
     return corrupt(*objection);
-  constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
   facts_at_ = static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_->pos));
-  facts_end_ = facts_at_ + kBlockHead + text.size();
+  facts_end_ = facts_at_ + matroska::kBlockHead + text.size();
   av_packet_unref(packet_.get());
   has_picture_ = false;
   ++frames_;
