@@ -44,8 +44,7 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   if (counters.emitted > 0) say("{}\n", settings.record.file);
   TRY(failed);
   TRY(ended);
-  const bool was_late = flags.limits.timeout_s > 0 && counters.emitted == 0;
-  return was_late ? flags.limits.ended_by(LiveEnd::Timeout, 0) : ended;
+  return source->timed_out() ? flags.limits.ended_by(LiveEnd::Timeout, counters.emitted) : Result<void>();
 }
 
 Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surroundings& around) {

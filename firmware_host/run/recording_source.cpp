@@ -37,7 +37,10 @@ std::optional<int> RecordingSource::frame_count() const {
 
 Result<const RawFrame*> RecordingSource::next() {
   if (options_.frames > 0 && read_ == options_.frames) return nullptr;
-  if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout) return nullptr;
+  if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout) {
+    timed_out_ = true;
+    return nullptr;
+  }
   if (stop_) {
     end_ = Error{ErrorCode::Interrupted,
                  fmt::format("stopped after {}; the output is complete", counted(read_, "frame"))};

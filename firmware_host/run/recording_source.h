@@ -45,6 +45,8 @@ class RecordingSource : public FrameSource {
   Result<const RawFrame*> next() override;
   Result<void> finish(RunRecord& record) override;
 
+  // Whether the time was up before the recording's end.
+  bool timed_out() const { return timed_out_; }
   // Warnings for the user about the frames so far.
   std::vector<std::string> warnings() const { return recording_->warnings(); }
   CaptureCounters counters() const { return recording_->counters(); }
@@ -62,6 +64,7 @@ class RecordingSource : public FrameSource {
   CapturedFrame frame_;
   int read_ = 0;
   int kept_out_ = 0;  // of those, for their exposures
+  bool timed_out_ = false;
   Result<void> end_;
 };
 

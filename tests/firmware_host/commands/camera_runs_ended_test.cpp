@@ -155,6 +155,17 @@ TEST_CASE("a time limit before the first frame is a failure that a script can se
   CHECK(limits.ended_by(LiveEnd::Timeout, 1).ok());
 }
 
+TEST_CASE("a recording without frames in place of a camera ends before its time limit, and is not late") {
+  const std::string folder = sample::scratch_folder("record_of_nothing"), empty = folder + "/empty.mkv";
+  require_done(sample::record(posix_storage(), empty, sample::camera(PixelLayout::Rgb, 8, 64, 48), {}));
+  const RanHere run =
+      ran_here({"record", "--camera", "replay:" + empty, "--timeout", "3600", "-o", folder + "/copy.mkv"});
+  INFO(run.err);
+  CHECK(run.exit_code == kExitOk);
+  CHECK_THAT(run.out, Catch::Contains("0 frames"));
+  CHECK(run.err.find("--timeout") == std::string::npos);
+}
+
 TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {
   survives_kills(12);
 }
