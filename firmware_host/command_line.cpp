@@ -4,13 +4,23 @@
 
 #include <CLI/CLI.hpp>
 
+#include "hal/core/parse_number.h"
+
 namespace hdrcam {
 namespace {
 
+// Numbers are what settings and files take for them (parse_number.h): CLI11 alone takes 010 for eight, and
+// 0x5, +5 and blanks besides.
 template <class Number>
-std::optional<Number> number_in(const std::string& word) {
-  Number number = 0;
-  return CLI::detail::lexical_cast(word, number) ? std::optional(number) : std::nullopt;
+Flag add_number(CLI::App& parser, const char* names, Number& target, const char* help) {
+  const auto take = [&target](const CLI::results_t& words) {
+    const auto number = parse_number<Number>(words.front());
+    if (number) target = *number;
+    return number.has_value();
+  };
+  const auto usual = [&target] { return fmt::format("{}", target); };
+  return Flag(
+      *parser.add_option(names, take, help, false, usual)->type_name(CLI::detail::type_name<Number>()));
 }
 
 }  // namespace
@@ -22,7 +32,7 @@ Flag Flag::check(const WordCheck& check) { return Flag(*option_->check(check)); 
 Flag Flag::in_range(int least, int most) {
   option_->description(fmt::format("{} ({}..{})", option_->get_description(), least, most));
   return check([least, most](const std::string& word) {
-    const auto number = number_in<int>(word);
+    const auto number = parse_number<int>(word);
     return number && *number >= least && *number <= most
                ? std::string()
                : fmt::format("takes a whole number, {} to {}, not '{}'", least, most, word);
@@ -61,15 +71,15 @@ Flag CommandLine::add_option(const char* names, std::vector<std::string>& target
 }
 
 Flag CommandLine::add_option(const char* names, int& target, const char* help) {
-  return Flag(*parser_->add_option(names, target, help));
+  return add_number(*parser_, names, target, help);
 }
 
 Flag CommandLine::add_option(const char* names, std::uint64_t& target, const char* help) {
-  return Flag(*parser_->add_option(names, target, help));
+  return add_number(*parser_, names, target, help);
 }
 
 Flag CommandLine::add_option(const char* names, double& target, const char* help) {
-  return Flag(*parser_->add_option(names, target, help));
+  return add_number(*parser_, names, target, help);
 }
 
 Flag CommandLine::add_switch(const char* names, bool& target, const char* help) {
@@ -83,9 +93,5 @@ std::optional<std::string> CommandLine::given(const char* name) const {
   if (option == nullptr || option->count() == 0) return std::nullopt;
   return option->as<std::string>();
 }
-
-std::optional<long long> whole_number(const std::string& word) { return number_in<long long>(word); }
-
-std::optional<double> real_number(const std::string& word) { return number_in<double>(word); }
 
 }  // namespace hdrcam

@@ -51,7 +51,7 @@ class CommandLine {
   void on_chosen(const std::function<void()>& action);
 
   // names: "-o,--output"; "recording" is an argument. The target lives as long as the parser, and keeps its
-  // value unless the user gives one.
+  // value unless the user gives one. A number is what parse_number() takes for one.
   Flag add_option(const char* names, std::string& target, const char* help);
   Flag add_option(const char* names, std::vector<std::string>& target, const char* help);
   Flag add_option(const char* names, int& target, const char* help);
@@ -68,9 +68,5 @@ class CommandLine {
  private:
   CLI::App* parser_;
 };
-
-// The number that this word is to a flag for numbers; none where it is none.
-std::optional<long long> whole_number(const std::string& word);
-std::optional<double> real_number(const std::string& word);
 
 }  // namespace hdrcam

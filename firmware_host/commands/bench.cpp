@@ -13,6 +13,7 @@
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -128,7 +129,7 @@ void add_bench_kernels(CommandLine bench, Verb& chosen) {
   verb.add_option("--height", flags->height, "height of the pictures, px").in_range(64, 8192).show_default();
   verb.add_option("--seconds", flags->seconds, "time for each kernel, s; the fastest fifth counts")
       .check([](const std::string& text) {
-        const auto seconds = real_number(text);
+        const auto seconds = parse_number<double>(text);
         const bool sound = seconds && *seconds >= 0.001 && *seconds <= 60;
         return sound ? std::string() : fmt::format("takes seconds, 0.001 to 60, not '{}'", text);
       })

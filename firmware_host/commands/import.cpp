@@ -17,6 +17,7 @@
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
@@ -247,7 +248,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
 
 // What --framerate takes: "" for a rate that a recording can have, else a clause that says so.
 std::string takes_framerate(const std::string& text) {
-  const auto rate_hz = real_number(text);
+  const auto rate_hz = parse_number<double>(text);
   if (!rate_hz) return fmt::format("takes frames per second, such as 30, not '{}'", text);
   CameraFacts camera;
   camera.framerate_hz = *rate_hz;

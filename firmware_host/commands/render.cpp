@@ -240,9 +240,6 @@ Result<void> render(const RenderFlags& flags, const Settings& given, Surrounding
                                                                  : render_recording(flags, settings, around);
 }
 
-// The parser takes an empty word for 0.
-std::string is_not_empty(const std::string& word) { return word.empty() ? "takes a number, not ''" : ""; }
-
 void add_view_flags(CommandLine verb, FilmOptions& options) {
   constexpr const char* kGroup = "View";
   verb.add_option(
@@ -263,15 +260,12 @@ void add_view_flags(CommandLine verb, FilmOptions& options) {
       .group(kGroup);
   verb.add_option("--speed", options.speed,
                   "seconds of the recording in a second of the film: 0.25 is slow motion [1]")
-      .check(is_not_empty)
       .group(kGroup);
   verb.add_option("--framerate", options.framerate_hz, "frames per second of the film [the recording's]")
-      .check(is_not_empty)
       .group(kGroup);
   verb.add_option(
           "--shutter-angle", options.shutter_deg,
           "motion blur added again: the exposure in degrees, 360 being a film frame's interval [0: sharp]")
-      .check(is_not_empty)
       .group(kGroup);
   verb.add_switch("--ldr", options.ldr,
                   "8-bit pictures as the camera would have taken them, by its estimated response")

@@ -2,6 +2,7 @@
 
 #include "firmware_host/settings/seconds_text.h"
 #include "hal/core/counted.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -13,7 +14,7 @@ constexpr int kMostFrames = 1'000'000'000;
 
 WordCheck counts_frames() {
   return [](const std::string& text) {
-    const auto frames = whole_number(text);
+    const auto frames = parse_number<std::int64_t>(text);
     const bool sound = frames && *frames >= 1 && *frames <= kMostFrames;
     return sound ? std::string()
                  : fmt::format("takes a number of frames, 1 to {}, not '{}'", kMostFrames, text);
@@ -30,7 +31,7 @@ void RunLimits::add_to(CommandLine verb) {
       .type_name("TEXT")
       .transform(in_seconds)
       .check([](const std::string& text) {
-        const auto seconds = real_number(text);
+        const auto seconds = parse_number<double>(text);
         const bool possible = seconds && *seconds > 0 && *seconds <= kLongestRun_s,
                    sound = possible && from_seconds(*seconds) > Duration::zero();  // 0 would be no limit
         return sound ? std::string()

@@ -237,6 +237,32 @@ TEST_CASE("a value that is missing or no number is told with its flag and what t
   CHECK(refused({"info", "walk.mkv", "--json=maybe"}) == "hdrcam: --json takes true or false, not 'maybe'");
 }
 
+TEST_CASE(
+    "a flag for a number takes decimal digits, with or without zeros before them, and no other notation") {
+  const std::string frames = sample::scratch_folder("numbers") + "/%06d.exr";
+  for (const char* word : {"0x5", "+5", " 5"}) {
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"record", "-o", "x.mkv", "--timeout"},
+          {"record", "-o", "x.mkv", "--frames"},
+          {"record", "-o", "x.mkv", "--width"},
+          {"simulate", "walk", "-o", "x.mkv", "--frames"},
+          {"compare", "clip", "out", "--skip"},
+          {"bench", "kernels", "--seconds"},
+          {"render", "walk.mkv", "-o", frames, "--speed"}}) {
+      std::vector<std::string> with = words;
+      with.emplace_back(word);
+      const RanHere refused = ran_here(with);
+      INFO(words.front() << ' ' << words.back() << ' ' << word);
+      CHECK(refused.exit_code == kExitUsage);
+      CHECK_THAT(refused.err, Contains(words.back() + " takes ") && Contains(fmt::format("not '{}'", word)));
+    }
+  }
+  const std::string recording = sample::scratch_folder("ten_frames") + "/x.mkv";
+  REQUIRE(ran_here({"simulate", "still?size=64x48", "--frames", "010", "-o", recording}).exit_code ==
+          kExitOk);
+  CHECK(open_recording(posix_storage(), recording).value()->frame_count() == 10);  // not eight
+}
+
 TEST_CASE("the settings are printed without what a run needs") {
   for (const std::vector<std::string>& verb : {std::vector<std::string>{"encode"},
                                                {"import"},
