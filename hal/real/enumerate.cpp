@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "hal/core/counted.h"
 #include "hal/gpu/gpu_list.h"
@@ -88,12 +89,8 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
                       {},
                       {}};
     for (std::size_t i = 0; i < chip->lines.size(); ++i) {
-      const GpioLineState& line = chip->lines[i];
-      if (line.name.empty() && line.consumer.empty()) continue;
-      found.facts.push_back(
-          fmt::format("{}:{} {}{}{}", chip->name, i, line.name.empty() ? "unnamed" : line.name,
-                      line.output ? ", output" : "",
-                      line.consumer.empty() ? "" : fmt::format(", held by '{}'", line.consumer)));
+      std::string line = describe(chip->lines[i], chip->name, i);
+      if (!line.empty()) found.facts.push_back(std::move(line));
     }
     devices.push_back(std::move(found));
   }

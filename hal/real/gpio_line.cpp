@@ -20,8 +20,19 @@ std::vector<GpioLineState> lines_by_number(
     unsigned count, const std::function<std::optional<GpioLineState>(unsigned)>& state_of) {
   std::vector<GpioLineState> lines;
   lines.reserve(count);
-  for (unsigned i = 0; i < count; ++i) lines.push_back(state_of(i).value_or(GpioLineState{}));
+  for (unsigned i = 0; i < count; ++i)
+    lines.push_back(state_of(i).value_or(GpioLineState{.use = GpioLineUse::Unreadable}));
   return lines;
+}
+
+std::string describe(const GpioLineState& line, const std::string& chip, std::size_t number) {
+  if (line.name.empty() && line.use == GpioLineUse::Free) return "";
+  std::string text = fmt::format("{}:{} {}", chip, number, line.name.empty() ? "unnamed" : line.name);
+  if (line.output) text += ", output";
+  if (line.use == GpioLineUse::Unreadable) text += ", its state cannot be read";
+  if (line.use == GpioLineUse::Held)
+    text += line.consumer.empty() ? ", held" : fmt::format(", held by '{}'", line.consumer);
+  return text;
 }
 
 std::vector<std::string> gpio_chip_nodes() { return device_nodes("gpiochip"); }

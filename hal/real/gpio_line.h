@@ -44,8 +44,12 @@ struct GpioLineName {
 // An output is inactive at first. NotFound, Permission, Busy (names the holder), Unsupported.
 Result<std::unique_ptr<GpioLine>> request_gpio_line(const GpioSettings& settings, LineDirection direction);
 
+enum class GpioLineUse { Free, Held, Unreadable };
+
 struct GpioLineState {
-  std::string name, consumer;  // empty: unnamed, free
+  std::string name = {};  // "" for none
+  GpioLineUse use = GpioLineUse::Free;
+  std::string consumer = {};  // who holds it; "" where the kernel names none
   bool output = false;
 };
 struct GpioChipState {
@@ -54,10 +58,12 @@ struct GpioChipState {
 };
 Result<GpioChipState> inspect_gpio_chip(const std::string& node);
 
-// For both versions: the lines of a chip by their numbers. One whose state cannot be read (nullopt) is
-// unnamed and free, so that those behind it keep their numbers.
+// For both versions: the lines of a chip by their numbers. One whose state cannot be read (nullopt) stays in
+// the list as unreadable, so that those behind it keep their numbers.
 std::vector<GpioLineState> lines_by_number(
     unsigned count, const std::function<std::optional<GpioLineState>(unsigned)>& state_of);
+// For a list of lines: "gpiochip0:17 STROBE, output, held by 'led'"; "" for one that is unnamed and free.
+std::string describe(const GpioLineState& line, const std::string& chip, std::size_t number);
 // For both versions: splits "gpiochip0:17"; nullopt for anything else.
 std::optional<GpioLineName> parse_line_name(const std::string& name);
 // Whether two names are those of one line: "gpiochip0:17" and "FSYNC". Lines that are not there differ.

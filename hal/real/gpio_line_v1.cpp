@@ -94,9 +94,9 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
     gpiod_line* line = gpiod_chip_get_line(chip.get(), offset);
     if (line == nullptr) return std::nullopt;
     const auto text = [](const char* maybe) { return std::string(maybe == nullptr ? "" : maybe); };
-    return GpioLineState{text(gpiod_line_name(line)),
-                         gpiod_line_is_used(line) ? text(gpiod_line_consumer(line)) : "",
-                         gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT};
+    return GpioLineState{
+        text(gpiod_line_name(line)), gpiod_line_is_used(line) ? GpioLineUse::Held : GpioLineUse::Free,
+        text(gpiod_line_consumer(line)), gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT};
   };
   return GpioChipState{gpiod_chip_name(chip.get()), gpiod_chip_label(chip.get()),
                        lines_by_number(gpiod_chip_num_lines(chip.get()), state_of)};

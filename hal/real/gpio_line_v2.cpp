@@ -125,10 +125,10 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
     const LineInfo line(gpiod_chip_get_line_info(chip.get(), offset));
     if (!line) return std::nullopt;
     const auto text = [](const char* maybe) { return std::string(maybe == nullptr ? "" : maybe); };
-    return GpioLineState{
-        text(gpiod_line_info_get_name(line.get())),
-        gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
-        gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
+    return GpioLineState{text(gpiod_line_info_get_name(line.get())),
+                         gpiod_line_info_is_used(line.get()) ? GpioLineUse::Held : GpioLineUse::Free,
+                         text(gpiod_line_info_get_consumer(line.get())),
+                         gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
   };
   return GpioChipState{
       gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()),

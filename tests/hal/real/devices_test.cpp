@@ -94,11 +94,21 @@ TEST_CASE("GPIO lines are named by chip and number or by their own name") {
 TEST_CASE("a GPIO line whose state cannot be read leaves those behind it their numbers") {
   const auto lines = lines_by_number(3, [](unsigned i) -> std::optional<GpioLineState> {
     if (i == 1) return std::nullopt;
-    return GpioLineState{fmt::format("LINE{}", i), "", false};
+    return GpioLineState{.name = fmt::format("LINE{}", i)};
   });
   REQUIRE(lines.size() == 3);
   CHECK(lines[1].name.empty());
   CHECK(lines[2].name == "LINE2");
+  CHECK(describe(lines[1], "gpiochip0", 1) == "gpiochip0:1 unnamed, its state cannot be read");  // not free
+}
+
+TEST_CASE(
+    "a GPIO line is listed unless it is unnamed and free, also one that is held by nobody who is named") {
+  CHECK(describe({}, "gpiochip0", 3).empty());
+  CHECK(describe({.name = "STROBE"}, "gpiochip0", 3) == "gpiochip0:3 STROBE");
+  CHECK(describe({.name = "LED", .use = GpioLineUse::Held, .consumer = "led", .output = true}, "gpiochip0",
+                 17) == "gpiochip0:17 LED, output, held by 'led'");
+  CHECK(describe({.use = GpioLineUse::Held}, "gpiochip0", 4) == "gpiochip0:4 unnamed, held");
 }
 
 TEST_CASE("every errno of a device becomes a code and a sentence with its name") {
