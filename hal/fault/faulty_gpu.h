@@ -4,7 +4,7 @@
 #pragma once
 
 #include <limits>
-#include <string>
+#include <optional>
 
 #include "hal/gpu/gpu_device.h"
 
@@ -15,14 +15,14 @@ struct GpuFaults {
   int buffers_until_full = kNever;     // that can be made before NoSpace
   int kernels_until_refused = kNever;  // that can be had before NoSpace
   int finishes_until_lost = kNever;    // that succeed before Unplugged, which it then is for good
-  std::string kind = {};               // GpuFacts::kind; "": the wrapped device's
+  std::optional<GpuKind> kind = {};    // default: the wrapped device's
 };
 
 class FaultyGpu final : public GpuDevice {
  public:
   FaultyGpu(GpuDevice& device, const GpuFaults& faults)
       : device_(device), facts_(device.facts()), left_(faults), work_(*this) {
-    if (!faults.kind.empty()) facts_.kind = faults.kind;
+    if (faults.kind) facts_.kind = *faults.kind;
   }
 
   const GpuFacts& facts() const override { return facts_; }

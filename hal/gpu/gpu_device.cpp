@@ -21,6 +21,22 @@ std::string lower(std::string text) {
 
 }  // namespace
 
+const char* name(GpuKind kind) {
+  switch (kind) {
+    case GpuKind::Discrete:
+      return "discrete";
+    case GpuKind::Integrated:
+      return "integrated";
+    case GpuKind::Virtual:
+      return "virtual";
+    case GpuKind::Software:
+      return "software";
+    case GpuKind::Other:
+      break;
+  }
+  return "other";
+}
+
 Result<std::size_t> find_gpu(std::span<const GpuFacts> all, const std::string& name) {
   const std::string wanted = lower(name);
   const auto is_whole = [&](const GpuFacts& gpu) { return lower(gpu.name) == wanted; };

@@ -38,9 +38,13 @@ struct GpuShader {
   int group = 0;  // invocations that work together, at most 128 (its GROUP); 0: the device chooses
 };
 
+// The best first. A software device computes on the processor.
+enum class GpuKind { Discrete, Integrated, Virtual, Software, Other };
+const char* name(GpuKind kind);
+
 struct GpuFacts {
-  std::string name;       // as the driver says: "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string kind;       // "discrete", "integrated", "virtual", "software", "other"
+  std::string name;  // as the driver says: "llvmpipe (LLVM 15.0.6, 256 bits)"
+  GpuKind kind = GpuKind::Other;
   std::string api;        // "1.3.230"
   double memory_gib = 0;  // of its own heaps
   int subgroup = 0;       // lanes that run together; 0 where nobody said
@@ -157,8 +161,7 @@ struct GpuOptions {
   std::vector<std::string>* complaints = nullptr;
 };
 
-// Discrete devices come first, then integrated, virtual and software ones; those that cannot be used are
-// passed over (find_gpu() of gpu_list.h).
+// The best kind comes first; devices that cannot be used are passed over (find_gpu() of gpu_list.h).
 Result<std::unique_ptr<GpuDevice>> open_gpu(const GpuOptions& options);
 
 }  // namespace hdrcam

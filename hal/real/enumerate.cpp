@@ -108,8 +108,8 @@ void add_graphics(std::vector<FoundDevice>& devices) {
     listed.kind = DeviceKind::Graphics;
     listed.id = usable ? "vulkan:" + gpu.name : "";
     listed.title = fmt::format("{}{} device, Vulkan {}, {:.1f} GiB of its own", usable ? "" : gpu.name + ", ",
-                               gpu.kind, gpu.api, gpu.memory_gib);
-    if (gpu.kind == "software") listed.facts.emplace_back("computes on the processor: for tests");
+                               name(gpu.kind), gpu.api, gpu.memory_gib);
+    if (gpu.kind == GpuKind::Software) listed.facts.emplace_back("computes on the processor: for tests");
     if (!usable) listed.missing = {gpu.missing};
     devices.push_back(std::move(listed));
   }

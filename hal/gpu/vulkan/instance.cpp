@@ -8,26 +8,19 @@
 namespace hdrcam::vulkan {
 namespace {
 
-const char* kind_of(VkPhysicalDeviceType type) {
+GpuKind kind_of(VkPhysicalDeviceType type) {
   switch (type) {
     case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-      return "discrete";
+      return GpuKind::Discrete;
     case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-      return "integrated";
+      return GpuKind::Integrated;
     case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-      return "virtual";
+      return GpuKind::Virtual;
     case VK_PHYSICAL_DEVICE_TYPE_CPU:
-      return "software";
+      return GpuKind::Software;
     default:
-      return "other";
+      return GpuKind::Other;
   }
-}
-
-int preference(VkPhysicalDeviceType type) {
-  constexpr VkPhysicalDeviceType kOrder[] = {
-      VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU,
-      VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU, VK_PHYSICAL_DEVICE_TYPE_CPU};
-  return static_cast<int>(std::find(std::begin(kOrder), std::end(kOrder), type) - std::begin(kOrder));
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL keep_complaint(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -130,7 +123,7 @@ std::vector<PhysicalDevice> Instance::devices() const {
   std::vector<PhysicalDevice> devices;
   for (std::uint32_t i = 0; i < count; ++i) devices.push_back(describe(handles[i]));
   std::stable_sort(devices.begin(), devices.end(), [](const PhysicalDevice& a, const PhysicalDevice& b) {
-    return preference(a.properties.deviceType) < preference(b.properties.deviceType);
+    return a.facts.kind < b.facts.kind;  // the best first
   });
   return devices;
 }

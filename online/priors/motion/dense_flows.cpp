@@ -5,7 +5,7 @@ namespace hdrcam {
 
 std::unique_ptr<DenseFlow> make_dense_flow(int rows, int cols, WorkerPool& pool, GpuDevice* gpu) {
   // the processor itself, under another name, is fifty times slower at work groups with barriers
-  const bool is_worth_it = gpu != nullptr && gpu->facts().kind != "software";
+  const bool is_worth_it = gpu != nullptr && gpu->facts().kind != GpuKind::Software;
   if (!is_worth_it) return std::make_unique<CpuFlow>(pool);
   return std::make_unique<VulkanFlow>(rows, cols, pool, *gpu);
 }

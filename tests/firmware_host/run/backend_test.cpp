@@ -67,7 +67,7 @@ Outcome run(GpuDevice* gpu, EmitLayer layer = EmitLayer::Merged) {
 TEST_CASE("a whole run on the graphics device is as near to the truth as the processor's", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
-  FaultyGpu card(*gpu, {.kind = "discrete"});  // so that a software device runs the flow, too
+  FaultyGpu card(*gpu, {.kind = GpuKind::Discrete});  // so that a software device runs the flow, too
   const Outcome here = run(nullptr), there = run(&card);
   REQUIRE(here.frames == kFrames);
   REQUIRE(there.frames == kFrames);
@@ -92,7 +92,7 @@ TEST_CASE("a field that the graphics device has fitted is as near to the truth a
 TEST_CASE("a run whose graphics device is lost in the middle emits every frame and says why", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
-  FaultyGpu faulty(*gpu, {.finishes_until_lost = 9, .kind = "discrete"});
+  FaultyGpu faulty(*gpu, {.finishes_until_lost = 9, .kind = GpuKind::Discrete});
   const Outcome here = run(nullptr), there = run(&faulty);
   CHECK(there.frames == kFrames);
   CHECK(there.fallback_reason.find("was lost") != std::string::npos);

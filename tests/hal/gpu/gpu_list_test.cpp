@@ -1,5 +1,8 @@
 #include "hal/gpu/gpu_list.h"
 
+#include <set>
+#include <string>
+
 #include <catch2/catch.hpp>
 
 #include "tests/contracts/expect.h"
@@ -21,6 +24,14 @@ TEST_CASE("the first graphics device of a name that can be used is taken, whatev
   CHECK(value_of(find_gpu(all, "")) == 1);
   CHECK(value_of(find_gpu(all, "maker")) == 1);
   CHECK(value_of(find_gpu(all, "LLVM")) == 2);
+}
+
+TEST_CASE("every kind of graphics device has a word of its own") {
+  std::set<std::string> words;
+  for (const GpuKind kind :
+       {GpuKind::Discrete, GpuKind::Integrated, GpuKind::Virtual, GpuKind::Software, GpuKind::Other})
+    words.insert(name(kind));
+  CHECK(words == std::set<std::string>{"discrete", "integrated", "virtual", "software", "other"});
 }
 
 TEST_CASE("the name of a graphics device is not taken for a part of a longer one") {
