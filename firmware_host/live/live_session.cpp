@@ -239,6 +239,10 @@ Result<void> LiveSession::follow(const std::vector<Exposure>& cycle) {
 
 Result<void> LiveSession::may_record() const {
   const std::lock_guard lock(mutex_);
+  return may_record_under_lock();
+}
+
+Result<void> LiveSession::may_record_under_lock() const {
   if (recorder_) return Error{ErrorCode::Busy, "a recording is open; stop it first"};
   if (completing_ && !completing_->ended())
     return Error{ErrorCode::Busy, "the last recording is still being completed; try again"};
@@ -247,11 +251,11 @@ Result<void> LiveSession::may_record() const {
 }
 
 Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recording) {
-  TRY(may_record());
-  std::shared_ptr<Recorder> recorder = recorder_of(std::move(recording), StartedBy::Person), completed;
+  std::shared_ptr<Recorder> completed;  // goes without the lock: its thread is waited for
   const std::lock_guard lock(mutex_);
+  TRY(may_record_under_lock());
+  recorder_ = recorder_of(std::move(recording), StartedBy::Person);
   completed = std::exchange(completing_, nullptr);
-  recorder_ = std::move(recorder);
   return {};
 }
 

@@ -127,6 +127,7 @@ class LiveSession {
   void capture_frames(const std::atomic<bool>& stop);
   Result<void> capture_one();
   Result<void> next_frame(CapturedFrame& captured);
+  Result<void> may_record_under_lock() const;
   Result<void> finish_recordings();
   void count_camera();
   void hand_on(FrameShare frame);
