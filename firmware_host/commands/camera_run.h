@@ -34,8 +34,8 @@ Result<void> check_camera_run(const Settings& settings, const char* recording_fl
 // CameraSource::open.
 Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& settings, LiveOptions limits,
                                                          TraceFile& trace, Surroundings& around);
-// At the end of the run: what became of the captured frames, and how their exposures were proved; lines for
-// the user.
+// At the end of the run: what became of the captured frames, how their exposures were proved, and what the
+// cycle, the trigger and the strobe line did meanwhile; lines for the user.
 std::string account_of(CameraSource& camera);
 // What the camera says of its frames, at the end of the run: those of a recording that were damaged.
 void show_warnings(const CameraSource& camera);
