@@ -10,7 +10,7 @@ constexpr std::array kExitCodes{
     ExitCode{kExitOk, std::nullopt, "done"},
     ExitCode{kExitInternal, std::nullopt, "a bug in hdrcam, or no memory left"},
     ExitCode{kExitUsage, ErrorCode::Invalid, "a flag, value or setting that is not valid"},
-    ExitCode{3, ErrorCode::NotFound, "the named file, folder or device does not exist"},
+    ExitCode{3, ErrorCode::NotFound, "the named file, folder, device or address does not exist"},
     ExitCode{4, ErrorCode::NotRecording, "the file exists but is not a recording"},
     ExitCode{5, ErrorCode::Truncated, "the recording is truncated; the frames before the cut were used"},
     ExitCode{6, ErrorCode::Corrupt, "a checksum or structure in the file is wrong"},

@@ -57,9 +57,9 @@ Error cannot_listen(const HttpAddress& address, int error) {
     case EACCES:
       return {ErrorCode::Permission,
               fmt::format("no permission to listen on {}; ports below 1024 need privileges", where), error};
-    case EADDRNOTAVAIL:
+    case EADDRNOTAVAIL:  // it may be there later: a network that is not up yet
       return {
-          ErrorCode::Invalid,
+          ErrorCode::NotFound,
           fmt::format("this machine does not have the address of {}; 'ip address' lists those it has", where),
           error};
     default:
@@ -76,7 +76,7 @@ Result<int> listen_on(HttpAddress& address) {
   if (const int error =
           getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &found.first);
       error != 0)
-    return Error{ErrorCode::Invalid,
+    return Error{ErrorCode::NotFound,
                  fmt::format("there is no machine '{}' to listen on: {}", address.host, gai_strerror(error))};
   const addrinfo& chosen = *found.first;
   const int listening = socket(chosen.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
