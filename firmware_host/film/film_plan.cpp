@@ -8,6 +8,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/film/steady_path.h"
+#include "firmware_host/settings/named_knobs.h"
 #include "firmware_host/settings/seconds_text.h"
 #include "firmware_host/settings/without_field.h"
 #include "hal/core/image.h"
@@ -95,11 +96,9 @@ Result<void> plan_exposure(const FilmOptions& options, const FilmedRecording& re
   return {};
 }
 
-// pose: the knob, empty where it is not set.
-Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording,
-                        std::string_view pose) {
-  if (!in_metres || (recording.has_poses && (pose.empty() || pose == "given"))) return {};
-  if (pose == "fixed")
+Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording, PoseKind pose) {
+  if (!in_metres || (recording.has_poses && pose == PoseKind::Given)) return {};
+  if (pose == PoseKind::Fixed)
     return Error{
         ErrorCode::Invalid,
         fmt::format("{} is in metres, but a camera that is taken to stand still shows no length; leave out "
@@ -125,8 +124,7 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
         ErrorCode::Invalid,
         fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
   plan.baseline = baseline.value;
-  const auto knob = fit.knobs.find("pose");
-  const std::string_view pose = knob != fit.knobs.end() ? std::string_view(knob->second) : "";
+  const PoseKind pose = named_knobs(fit).pose;
   TRY(check_unit("--view", plan.view.in_metres(), recording, pose));
   TRY(check_unit("--stereo", baseline.in_metres, recording, pose));
   const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;

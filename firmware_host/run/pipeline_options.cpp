@@ -7,6 +7,7 @@
 
 #include "capture/exposure_schedule.h"
 #include "firmware_host/run/output_needs.h"
+#include "firmware_host/settings/named_knobs.h"
 #include "firmware_host/sinks/sink_name.h"
 
 namespace hdrcam {
@@ -56,10 +57,7 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   // a field that is to be seen, to be saved, or that poses are tracked beside, is there whatever the preset
   if ((shows_field(settings, use) || needs.scene || needs.poses) && fit.emit != EmitLayer::State)
     options.knobs.field = Knobs().field;
-  for (const auto& [name, value] : fit.knobs) {
-    const Result<void> set = set_knob(options.knobs, name, value);
-    HDRCAM_CHECK(set.ok());  // already checked when read (settings/setting_field.h)
-  }
+  set_named_knobs(options.knobs, fit);
   if (shows_field(settings, use)) make_seen(options.knobs, fit.knobs);
   if (needs.points && options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
   return options;

@@ -1,10 +1,11 @@
 #include "firmware_host/settings/without_field.h"
 
+#include "firmware_host/settings/named_knobs.h"
+
 namespace hdrcam {
 
 const char* what_leaves_out_field(const Settings::Fit& fit) {
-  const auto field = fit.knobs.find("field");
-  if (field != fit.knobs.end() && field->second == "none") return "--set field=none";
+  if (named_knobs(fit).field == FieldKind::None) return "--set field=none";
   return fit.emit == EmitLayer::State ? "--emit state" : "";
 }
 
