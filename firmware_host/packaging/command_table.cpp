@@ -72,13 +72,19 @@ FlagEntry entry_of(const CLI::Option& option) {
   return entry;
 }
 
-// Those that the verb does not have yet.
 void add_options(const CLI::App& app, VerbEntry& verb) {
-  for (const CLI::Option* option : app.get_options()) {
+  for (const CLI::Option* option : app.get_options())
+    (option->get_positional() ? verb.arguments : verb.flags).push_back(entry_of(*option));
+}
+
+// One that several of the verb's own verbs take stands once.
+void add_options_of_inner(const CLI::App& inner, VerbEntry& verb) {
+  for (const CLI::Option* option : inner.get_options()) {
     FlagEntry entry = entry_of(*option);
     std::vector<FlagEntry>& list = option->get_positional() ? verb.arguments : verb.flags;
-    if (std::ranges::find(list, entry.names, &FlagEntry::names) == list.end())
-      list.push_back(std::move(entry));
+    auto place = std::ranges::find(list, entry.names, &FlagEntry::names);
+    if (place == list.end()) place = list.insert(list.end(), std::move(entry));
+    place->inner.push_back(inner.get_name());
   }
 }
 
@@ -94,11 +100,12 @@ VerbEntry entry_of(const CLI::App& app) {
   FlagEntry which;
   which.names = {kInnerVerb}, which.kind = ValueKind::Word, which.required = true;
   for (const CLI::App* one : inner) {
+    verb.inner.push_back(one->get_name());
     which.words.push_back(one->get_name());
     which.about += (which.about.empty() ? "" : "; ") + one->get_name() + ": " + one->get_description();
     which.value += (which.value.empty() ? "" : "|") + one->get_name();
   }
-  for (const CLI::App* one : inner) add_options(*one, verb);
+  for (const CLI::App* one : inner) add_options_of_inner(*one, verb);
   for (FlagEntry& argument : verb.arguments)
     argument.required = std::ranges::all_of(inner, [&](const CLI::App* one) {
       const CLI::Option* option = one->get_option_no_throw(argument.names.front());

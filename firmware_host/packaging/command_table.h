@@ -22,12 +22,14 @@ struct FlagEntry {
   std::vector<std::string> words;  // where they are known; one that ends in '=' or ':' goes on
   std::string about, group;        // group: the heading in --help, "Output"
   bool required = false;
-  bool repeated = false;  // may be given again, with another value
+  bool repeated = false;           // may be given again, with another value
+  std::vector<std::string> inner;  // of VerbEntry::inner: those that take it
 };
 
 struct VerbEntry {
   std::string name, group, about, example;
-  std::vector<FlagEntry> flags, arguments;
+  std::vector<std::string> inner;           // the names of its own verbs, where it has some
+  std::vector<FlagEntry> flags, arguments;  // also those of its own verbs
 };
 
 // The argument of a verb that has verbs of its own: "bench pareto".

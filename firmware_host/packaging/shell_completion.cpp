@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 
 namespace hdrcam {
@@ -36,6 +38,37 @@ std::vector<std::string> names_of(const std::vector<FlagEntry>& flags) {
   std::vector<std::string> names;
   for (const FlagEntry& flag : flags) names.insert(names.end(), flag.names.begin(), flag.names.end());
   return names;
+}
+
+// The flags or arguments of one of a verb's own verbs.
+std::vector<FlagEntry> taken_by(const std::string& inner, const std::vector<FlagEntry>& all) {
+  std::vector<FlagEntry> taken;
+  std::ranges::copy_if(all, std::back_inserter(taken), [&](const FlagEntry& entry) {
+    return std::ranges::find(entry.inner, inner) != entry.inner.end();
+  });
+  return taken;
+}
+
+std::vector<std::string> words_of(const std::vector<FlagEntry>& arguments) {
+  std::vector<std::string> words;
+  for (const FlagEntry& argument : arguments)
+    words.insert(words.end(), argument.words.begin(), argument.words.end());
+  return words;
+}
+
+// "flags='..' words='..'" of bash.
+std::string bash_offer(const std::vector<FlagEntry>& flags, const std::vector<FlagEntry>& arguments) {
+  return fmt::format("flags='{}' words='{}'", fmt::join(names_of(flags), " "),
+                     fmt::join(words_of(arguments), " "));
+}
+
+// One branch of bash's `case`: what a verb takes, and what each of its own verbs does once it is written.
+std::string bash_verb(const VerbEntry& verb) {
+  std::string branch = fmt::format("        {}) {}", verb.name, bash_offer(verb.flags, verb.arguments));
+  for (const std::string& inner : verb.inner)
+    branch += fmt::format("\n          [ \"$inner\" != {} ] || {}", inner,
+                          bash_offer(taken_by(inner, verb.flags), taken_by(inner, verb.arguments)));
+  return branch + " ;;\n";
 }
 
 // One branch of bash's `case`: what follows this flag.
@@ -75,6 +108,35 @@ std::string zsh_arguments(const std::vector<FlagEntry>& arguments) {
   return specs;
 }
 
+// The rest of zsh's branch of a verb, or of one of its own.
+std::string zsh_offer(const std::vector<FlagEntry>& flags, const std::vector<FlagEntry>& arguments) {
+  std::string offer = "_arguments -S";
+  for (const FlagEntry& flag : flags) {
+    const std::string both = fmt::format("{}", fmt::join(flag.names, " "));
+    const std::string repeat = flag.repeated ? "*" : fmt::format("({})", both);
+    for (const std::string& name : flag.names) {
+      const bool long_name = name.starts_with("--") && flag.kind != ValueKind::None;
+      offer +=
+          fmt::format(" \\\n        {}", in_quotes(repeat + name + (long_name ? "=" : "") + zsh_value(flag)));
+    }
+  }
+  return offer + zsh_arguments(arguments);
+}
+
+std::string zsh_verb(const VerbEntry& verb) {
+  std::string branch = fmt::format("    {})\n", verb.name);
+  for (const std::string& inner : verb.inner)
+    branch += fmt::format(
+        "      if (( CURRENT > 2 )) && [[ $words[2] == {} ]]; then\n"
+        "        shift words\n"
+        "        (( CURRENT-- ))\n"
+        "        {}\n"
+        "        return\n"
+        "      fi\n",
+        inner, zsh_offer(taken_by(inner, verb.flags), taken_by(inner, verb.arguments)));
+  return branch + "      " + zsh_offer(verb.flags, verb.arguments) + " ;;\n";
+}
+
 std::string fish_flag(const std::string& condition, const FlagEntry& flag) {
   std::string line = "complete -c hdrcam -n " + in_quotes(condition);
   for (const std::string& name : flag.names)
@@ -84,6 +146,16 @@ std::string fish_flag(const std::string& condition, const FlagEntry& flag) {
   if (flag.kind == ValueKind::Word)
     line += " -x -a " + in_quotes(fmt::format("{}", fmt::join(flag.words, " ")));
   return line + " -d " + in_quotes(with_escaped(flag.about, "\\")) + '\n';
+}
+
+// Of fish's condition: no other of the verb's own verbs is written than those that take the flag.
+std::string fish_unless_others(const VerbEntry& verb, const FlagEntry& flag) {
+  std::vector<std::string> others;
+  std::ranges::copy_if(verb.inner, std::back_inserter(others), [&](const std::string& inner) {
+    return std::ranges::find(flag.inner, inner) == flag.inner.end();
+  });
+  return others.empty() ? ""
+                        : fmt::format("; and not __fish_seen_subcommand_from {}", fmt::join(others, " "));
 }
 
 }  // namespace
@@ -96,17 +168,14 @@ std::string bash_completion(const CommandTable& table) {
   std::string values, flags;
   for (const VerbEntry& verb : table.verbs) {
     for (const FlagEntry& flag : verb.flags) values += bash_value(verb.name, flag);
-    std::vector<std::string> arguments;
-    for (const FlagEntry& argument : verb.arguments)
-      arguments.insert(arguments.end(), argument.words.begin(), argument.words.end());
-    flags += fmt::format("        {}) flags='{}' words='{}' ;;\n", verb.name,
-                         fmt::join(names_of(verb.flags), " "), fmt::join(arguments, " "));
+    flags += bash_verb(verb);
   }
   // A word of COMP_WORDS ends at '=': "--preset=fast" is three of them.
   return fmt::format(R"(# Completion of hdrcam for bash; 'hdrcam completion bash' wrote it.
 _hdrcam() {{
   local verb=${{COMP_WORDS[1]}} current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}}
-  local flags= words=
+  local flags= words= inner=
+  [ "$COMP_CWORD" -le 2 ] || inner=${{COMP_WORDS[2]}}
   COMPREPLY=()
   if [ "$COMP_CWORD" -le 1 ]; then
     mapfile -t COMPREPLY < <(compgen -W '{}' -- "$current")
@@ -134,17 +203,7 @@ std::string zsh_completion(const CommandTable& table) {
   for (const VerbEntry& verb : table.verbs) {
     verbs +=
         fmt::format("    {}\n", in_quotes(fmt::format("{}:{}", verb.name, with_escaped(verb.about, ":"))));
-    cases += fmt::format("    {})\n      _arguments -S", verb.name);
-    for (const FlagEntry& flag : verb.flags) {
-      const std::string both = fmt::format("{}", fmt::join(flag.names, " "));
-      const std::string repeat = flag.repeated ? "*" : fmt::format("({})", both);
-      for (const std::string& name : flag.names) {
-        const bool long_name = name.starts_with("--") && flag.kind != ValueKind::None;
-        cases += fmt::format(" \\\n        {}",
-                             in_quotes(repeat + name + (long_name ? "=" : "") + zsh_value(flag)));
-      }
-    }
-    cases += zsh_arguments(verb.arguments) + " ;;\n";
+    cases += zsh_verb(verb);
   }
   for (const FlagEntry& flag : table.flags)
     for (const std::string& name : flag.names) globals += ' ' + in_quotes(name + zsh_value(flag));
@@ -183,10 +242,11 @@ std::string fish_completion(const CommandTable& table) {
     // `help replay` names a verb, but takes none of its flags.
     const std::string here =
         fmt::format("__fish_seen_subcommand_from {}; and not __fish_seen_subcommand_from help", verb.name);
-    for (const FlagEntry& flag : verb.flags) text += fish_flag(here, flag);
+    for (const FlagEntry& flag : verb.flags) text += fish_flag(here + fish_unless_others(verb, flag), flag);
     for (const FlagEntry& argument : verb.arguments)
       if (!argument.words.empty())
-        text += fmt::format("complete -c hdrcam -n {} -f -a {}\n", in_quotes(here),
+        text += fmt::format("complete -c hdrcam -n {} -f -a {}\n",
+                            in_quotes(here + fish_unless_others(verb, argument)),
                             in_quotes(fmt::format("{}", fmt::join(argument.words, " "))));
   }
   return text;

@@ -89,6 +89,31 @@ TEST_CASE("bash offers every verb, and every flag that the verb's --help shows")
   }
 }
 
+TEST_CASE("bash offers the flags of 'bench kernels' and 'bench pareto' behind each of them alone") {
+  const auto offered = offered_by_bash(
+      {"hdrcam bench kernels -", "hdrcam bench pareto -", "hdrcam bench pareto ''", "hdrcam bench kern"});
+  for (const std::string inner : {"kernels", "pareto"})
+    CHECK(offered.at("hdrcam bench " + inner + " -") == flags_in_help(answer_of({"bench", inner, "--help"})));
+  CHECK_FALSE(offered.at("hdrcam bench kernels -").contains("--point"));
+  CHECK_FALSE(offered.contains("hdrcam bench pareto ''"));  // bash then offers folders
+  CHECK(offered.at("hdrcam bench kern") == Words{"kernels"});
+}
+
+TEST_CASE("zsh and fish offer a flag of 'bench pareto' not behind 'bench kernels'") {
+  const std::string zsh = zsh_completion(product()), fish = fish_completion(product());
+  const std::size_t kernels = zsh.find("[[ $words[2] == kernels ]]"),
+                    end = zsh.find("\n        return\n", kernels);
+  REQUIRE(end != std::string::npos);
+  const std::string behind_kernels = zsh.substr(kernels, end - kernels);
+  CHECK_THAT(behind_kernels, Catch::Contains("--seconds=[") && !Catch::Contains("--point"));
+  std::istringstream lines(fish);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(" -l point ") == std::string::npos) continue;
+    CHECK_THAT(
+        line, Catch::Contains("from bench; ") && Catch::Contains("not __fish_seen_subcommand_from kernels'"));
+  }
+}
+
 TEST_CASE("bash offers the words of a flag, however the value is attached, and nothing that does not fit") {
   const auto offered = offered_by_bash(
       {"hdrcam replay --preset ''", "hdrcam replay --preset = b", "hdrcam replay walk.mkv --em",
