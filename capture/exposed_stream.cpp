@@ -78,7 +78,9 @@ Result<void> ExposedStream::finish(const HandOn& hand_on) {
 Result<void> ExposedStream::start(const HandOn& hand_on) {
   started_ = true;
   settings_.reference_exposure = cycle_mean(waiting_);
-  if (stated_black_ == StatedBlack::Removed) black_level_ = waiting_.front().facts.black_level;
+  const auto states_black = [](const RawFrame& frame) { return frame.facts.black_level.has_value(); };
+  if (const auto first = std::ranges::find_if(waiting_, states_black); first != waiting_.end())
+    black_level_ = first->facts.black_level;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     const FrameFacts& frame = waiting_[i].facts;
     // no frame precedes the first one
@@ -96,7 +98,8 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
 // light: stretched to 255 like the others, such a frame looks as if it were exposed longer.
 void ExposedStream::remove_black(const BlackLevel& own) {
   remove_black_level(frame_, own);
-  frame_.exposure *= range_above(*black_level_) / range_above(own);
+  frame_.exposure *= range_above(black_level_.value_or(BlackLevel())) / range_above(own);
+  frame_.facts.black_level = own;
 }
 
 // Into frame_.
@@ -104,7 +107,8 @@ Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
   StageWatch watch(timing_);
   TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
-  if (black_level_) remove_black(raw.facts.black_level.value_or(*black_level_));
+  const std::optional<BlackLevel>& own = raw.facts.black_level ? raw.facts.black_level : black_level_;
+  if (own && stated_black_ == StatedBlack::Removed) remove_black(*own);
   if (is_companded_) compand(frame_);
   ++arrived_;
   watch.lap(Stage::Unpack);

@@ -1,8 +1,8 @@
 // The end of capture/: raw frames of one stream -> exposed frames. Exposures are relative to the stream's
 // reference E_ref, the geometric mean of its cycle, so the first frames wait until that cycle is known;
 // from then on each frame is handed on as it arrives. One radiance scale holds for all frames: where their
-// black levels differ, exposures are those that saturate at the first one's. Thread-bound; no allocation per
-// frame after that.
+// black levels differ, exposures are those that saturate at the first stated one's. Thread-bound; no
+// allocation per frame after that.
 #pragma once
 
 #include <functional>
@@ -43,7 +43,7 @@ class ExposedStream {
   const StatedBlack stated_black_;
   const bool is_companded_;
   ExposedFrameSettings settings_;
-  // removed here, from frames that state none of their own; none: of no frame
+  // Of frames that state none: the first that one of the waiting frames states. None: black is taken for 0.
   std::optional<BlackLevel> black_level_;
   std::vector<RawFrame> waiting_;  // until the reference is known
   bool started_ = false;

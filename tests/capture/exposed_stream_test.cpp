@@ -225,6 +225,39 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("where the first frame states no black level, those that state one lose theirs all the same") {
+  const test::MovingScene scene;
+  constexpr int kBlack = 24, kWaiting = 3;
+  const auto handed_by = [&](StatedBlack stated_black, int stating) {
+    ExposedStream stream(scene.camera(), kWaiting, stated_black);
+    Handed handed;
+    for (int i = 0; i < 6; ++i) {
+      RawFrame frame = scene.frame(i);
+      if (i == stating) frame.facts.black_level = BlackLevel(kBlack);
+      REQUIRE(stream.take(frame, handed.keep()).ok());
+    }
+    REQUIRE(handed.frames.size() == 6);
+    return handed;
+  };
+  const Handed kept = handed_by(StatedBlack::Kept, kWaiting - 1);
+  for (const int stating : {kWaiting - 1, kWaiting + 1}) {  // among those that wait, and behind them
+    const Handed removed = handed_by(StatedBlack::Removed, stating);
+    for (int i = 0; i < 6; ++i) {
+      const bool of_all = stating < kWaiting, loses = of_all || i == stating;
+      const float black = loses ? float{kBlack} : 0.f;
+      const ExposedFrame &before = kept.frames[static_cast<std::size_t>(i)],
+                         &after = removed.frames[static_cast<std::size_t>(i)];
+      CAPTURE(stating, i);
+      for (std::size_t k = 0; k < before.codes.samples().size(); ++k)
+        REQUIRE(
+            after.codes.samples()[k] ==
+            Approx(std::max(0.f, (before.codes.samples()[k] - black) * 255 / (255 - black))).margin(1e-3));
+      CHECK(after.exposure == Approx(before.exposure * (loses && !of_all ? 255. / (255 - kBlack) : 1)));
+      CHECK(after.facts.black_level.has_value() == loses);
+    }
+  }
+}
+
 TEST_CASE("light has one scale in all frames, whatever black level each of them states") {
   constexpr std::uint16_t kAboveBlack = 60;  // codes of 1 ms; the same light in all frames
   for (const bool linear : {true, false}) {
