@@ -78,9 +78,8 @@ Result<void> ExposedStream::finish(const HandOn& hand_on) {
 Result<void> ExposedStream::start(const HandOn& hand_on) {
   started_ = true;
   settings_.reference_exposure = cycle_mean(waiting_);
-  const auto states_black = [](const RawFrame& frame) { return frame.facts.black_level.has_value(); };
-  if (const auto first = std::ranges::find_if(waiting_, states_black); first != waiting_.end())
-    black_level_ = first->facts.black_level;
+  for (const RawFrame& frame : waiting_)
+    if (!black_level_) black_level_ = frame.facts.black_level;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     const FrameFacts& frame = waiting_[i].facts;
     // no frame precedes the first one

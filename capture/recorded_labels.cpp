@@ -102,7 +102,8 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
   if (frames.empty()) return;
-  black_level_ = frames.front().raw.facts.black_level;
+  for (const CapturedFrame& frame : frames)
+    if (!black_level_) black_level_ = frame.raw.facts.black_level;
   for (const CapturedFrame& frame : frames)
     if (judgeable(frame.raw.facts)) learn_cycle(frame.raw.facts);
   std::vector<Judgement> by_later(frames.size());

@@ -77,7 +77,7 @@ class RecordedLabels {
   void finish(CapturedFrame& frame, const Judgement& judgement, std::optional<Duration> interval);
 
   const CameraFacts camera_;
-  std::optional<BlackLevel> black_level_;  // of frames that state none: the first one's
+  std::optional<BlackLevel> black_level_;  // of frames that state none: the first stated
   Photometer photometer_;
   PhotometricSignature picture_;
   std::optional<Exposure> last_exposure_;  // of the frame before, where it was judged and has a label

@@ -85,7 +85,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.cycle = recorded_cycle(first);
     capabilities_.timestamp_mark = mark_of(first);
     capabilities_.recorded = facts;
-    if (!first.empty()) capabilities_.black_level = first.front().black_level;
+    for (const FrameFacts& frame : first)
+      if (!capabilities_.black_level) capabilities_.black_level = frame.black_level;
   }
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }

@@ -204,6 +204,18 @@ TEST_CASE("raw frames are judged by the black level that the user states instead
   }
 }
 
+TEST_CASE("raw frames that state no black level are judged by the first one that is stated", "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  scene.gamma = 1, scene.full_well = 0, scene.black_level = 80;
+  CameraFacts camera = scene.camera();
+  camera.linear = true;
+  std::vector<RawFrame> frames = filmed(scene, 24);
+  for (std::size_t i = 6; i < frames.size(); ++i) frames[i].facts.black_level = BlackLevel(80);
+  const Judged result = judged(camera, std::move(frames));
+  CHECK(result.counters.contradicted == 0);
+  CHECK(result.warnings.empty());
+}
+
 TEST_CASE("single frames that are black are no objection to the others", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   auto frames = filmed(scene, 48);

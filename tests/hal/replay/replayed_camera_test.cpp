@@ -112,6 +112,20 @@ TEST_CASE("a replay stamps the ends of exposures where those are a frame apart")
   CHECK(camera->capabilities().timestamp_mark == TimestampMark::ExposureBegin);
 }
 
+TEST_CASE("a replayed camera states the first black level that one of its frames states") {
+  const CameraFacts facts = sample::camera(PixelLayout::BayerGrbg, 12, 32, 16);
+  const std::string path = sample::scratch_folder("replay_black") + "/r.mkv";
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 4; ++i) {
+    frames.push_back(frame_of(facts, i));
+    if (i > 0) frames.back().facts.black_level = BlackLevel::of_code(i == 1 ? 256 : 300, facts.bits);
+  }
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  const auto camera =
+      value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+  CHECK(sample::same_black_level(camera->capabilities().black_level, BlackLevel::of_code(256, facts.bits)));
+}
+
 TEST_CASE("a replay that is configured with fewer buffers completes its requests in order from the first") {
   const std::string path = write_recording("replay_again", PixelLayout::Rgb, 8);
   auto camera =
