@@ -64,11 +64,16 @@ ExposureControl ExposureControl::of_private(const DeviceNode& video, const Priva
 }
 
 Result<void> ExposureControl::take_over() {
-  constexpr std::pair<std::uint32_t, std::int32_t> kManual[] = {
-      {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL},
-      {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0},
-      {V4L2_CID_AUTOGAIN, 0},
-      {V4L2_CID_AUTO_WHITE_BALANCE, 0},
+  struct Manual {
+    std::uint32_t id;
+    std::int32_t value;
+    const char* doing;
+  };
+  constexpr Manual kManual[] = {
+      {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "switch its automatic exposure off"},
+      {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0, "keep its frame rate, whatever the exposure"},
+      {V4L2_CID_AUTOGAIN, 0, "switch its automatic gain off"},
+      {V4L2_CID_AUTO_WHITE_BALANCE, 0, "switch its automatic white balance off"},
   };
   if (found_.empty()) {
     const auto remember = [&](std::uint32_t id) {
@@ -80,12 +85,12 @@ Result<void> ExposureControl::take_over() {
     if (sensor_) remember(V4L2_CID_VBLANK);
     for (const std::uint32_t id : {exposure_.id, gain_.id})
       if (id != 0) remember(id);
-    for (const auto& [id, manual] : kManual) remember(id);
+    for (const Manual& manual : kManual) remember(manual.id);
   }
-  for (const auto& [id, manual] : kManual) {
-    if (query(id).id == 0) continue;
-    v4l2_control control{id, manual};
-    TRY(node_->demand(VIDIOC_S_CTRL, &control, "switch its automatic exposure off"));
+  for (const Manual& manual : kManual) {
+    if (query(manual.id).id == 0) continue;
+    v4l2_control control{manual.id, manual.value};
+    TRY(node_->demand(VIDIOC_S_CTRL, &control, manual.doing));
   }
   return {};
 }

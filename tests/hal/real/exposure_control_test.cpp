@@ -97,6 +97,26 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
   CHECK(driver.values == before);
 }
 
+TEST_CASE("a camera that keeps one of its automatic controls is told which") {
+  const std::pair<std::uint32_t, const char*> kAutomatic[] = {
+      {V4L2_CID_EXPOSURE_AUTO, "automatic exposure"},
+      {V4L2_CID_EXPOSURE_AUTO_PRIORITY, "frame rate"},
+      {V4L2_CID_AUTOGAIN, "automatic gain"},
+      {V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance"}};
+  for (const auto& [kept, word] : kAutomatic) {
+    SensorDriver driver;
+    for (const auto& [id, unused] : kAutomatic) driver.values[id] = 1;
+    const test::AnsweredIoctl kernel([&, refused = kept](unsigned long request, void* argument) {
+      const bool sets = request == VIDIOC_S_CTRL;
+      return sets && static_cast<v4l2_control*>(argument)->id == refused ? EIO : driver(request, argument);
+    });
+    const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+    const Result<void> taken = ExposureControl::of_sensor(sensor, "imx219 10-0010").take_over();
+    require_error(taken, ErrorCode::Io);
+    CHECK(taken.error().message.find(word) != std::string::npos);
+  }
+}
+
 TEST_CASE("the limits of a sensor's exposure are times before it is configured, too") {
   const CameraCapabilities camera = described_sensor();
   // a line is 640 + 160 pixels at 24 MHz
