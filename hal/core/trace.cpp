@@ -21,16 +21,17 @@ std::string json_string(std::string_view text) { return json_text(nlohmann::json
 }  // namespace
 
 Trace::Trace(std::size_t most_spans) : most_spans_(most_spans) {
-  constexpr std::size_t kThreads = 64;
+  constexpr std::size_t kThreads = 64;  // of most runs
   spans_.reserve(most_spans);
   threads_.reserve(kThreads);
 }
 
 std::size_t Trace::this_thread() {
   const int id = gettid();
-  const auto known = std::ranges::find(threads_, id, &Thread::id);
-  if (known == threads_.end()) threads_.push_back({id, name_of_this_thread(), start_});
-  return static_cast<std::size_t>(known - threads_.begin());
+  const auto place =
+      static_cast<std::size_t>(std::ranges::find(threads_, id, &Thread::id) - threads_.begin());
+  if (place == threads_.size()) threads_.push_back({id, name_of_this_thread(), start_});
+  return place;
 }
 
 void Trace::add(std::string_view name, Clock::time_point begin, Clock::time_point end, std::int64_t frame) {

@@ -30,6 +30,20 @@ TEST_CASE("a trace holds what each thread did, under the thread's name") {
   CHECK(read.crossings().empty());
 }
 
+TEST_CASE("a trace holds the spans of any number of threads, as of one recorder for each take") {
+  constexpr int kThreads = 200;
+  Trace trace;
+  for (int i = 0; i < kThreads; ++i)
+    std::thread([&] {
+      name_this_thread("recorder " + std::to_string(i));
+      const TraceSpan span(&trace, "record", i);
+    }).join();
+  const test::ReadTrace read(trace.json());
+  CHECK(read.threads().size() == kThreads);
+  for (int i = 0; i < kThreads; ++i)
+    CHECK(read.names_on("recorder " + std::to_string(i)) == std::set<std::string>{"record"});
+}
+
 TEST_CASE("a stage of which only the duration is known does not reach into the span before it") {
   Trace trace;
   {
