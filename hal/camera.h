@@ -150,7 +150,8 @@ struct CapturedBuffer {
   bool damaged = false;              // the driver reports incomplete pixels
   std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;
-  Duration readout{0};  // of a rolling shutter, from the first row's exposure to the last one's; 0: unknown
+  // Of a rolling shutter: the rows times what each is exposed later than the one above it; 0: unknown.
+  Duration readout{0};
   std::optional<BlackLevel> black_level;  // of this frame, where each states its own
   // Where the report comes from, if not from the driver: the sensor's embedded data, which neither V4L2 nor
   // libcamera tells from a prediction, so that real cameras never set it; or what a recording states.

@@ -16,7 +16,7 @@ class RollingShutterCorrection {
   // Radiance, all layers and points of the frame. Motion goes on as from the previous frame, that of the
   // first frame as to the next one; a frame of which no motion or no interval is known, or one of less than
   // half of the read-out time, stays as it is.
-  // readout_s: from the exposure of the first row to that of the last one.
+  // readout_s: of all rows, as in FrameFacts.
   void correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame);
 
  private:

@@ -184,8 +184,8 @@ SettingField deadline_field() {
 SettingField readout_field() {
   SettingField field =
       any<&Settings::fit, &Settings::Fit::readout>("fit.readout", "--readout",
-                                                   "read-out time of a rolling shutter, from the first row's "
-                                                   "exposure to the last one's; its skew is corrected",
+                                                   "read-out time of all rows of a rolling shutter; its skew "
+                                                   "is corrected",
                                                    "as the camera or the recording states it");
   field.type = SettingType::TimeOrOff;
   return field;

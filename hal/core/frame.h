@@ -64,8 +64,9 @@ struct FrameFacts {
   Instant timestamp;           // centre of the exposure, under a rolling shutter that of the middle row
   double exposure_s = 0;
   double analogue_gain = 1, digital_gain = 1;
-  double readout_s = 0;  // of a rolling shutter, from the first row to the last; 0: none known
-  int slot = -1;         // position in the exposure schedule, -1 unknown
+  // Of a rolling shutter: the rows times what each is exposed later than the one above it; 0: none known.
+  double readout_s = 0;
+  int slot = -1;                          // position in the exposure schedule, -1 unknown
   std::optional<BlackLevel> black_level;  // as device or user state it
   ExposureSource exposure_source = ExposureSource::Declared;
   std::optional<Verdict> verdict;            // on the exposure; none: not judged yet

@@ -129,6 +129,12 @@ CameraCapabilities capabilities_of(lc::Camera& camera) {
   return capabilities;
 }
 
+// From libcamera's skew, the time between the exposures of the first row and the last one.
+Duration readout_of(Duration skew, int rows, Duration frame_duration) {
+  const Duration possible = std::clamp(skew, Duration(0), frame_duration);
+  return rows > 1 ? std::min(possible * rows / (rows - 1), frame_duration) : Duration(0);
+}
+
 class LibcameraCamera : public Camera, private BufferLease::Owner {
  public:
   LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera,
@@ -349,7 +355,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (const auto gain = metadata.get(lc::controls::AnalogueGain)) buffer.analogue_gain = *gain;
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
     if (const auto skew_ns = metadata.get(lc::controls::draft::SensorRollingShutterSkew))
-      buffer.readout = std::clamp(Duration(*skew_ns), Duration(0), mode_.frame_duration);
+      buffer.readout = readout_of(Duration(*skew_ns), mode_.height, mode_.frame_duration);
     buffer.mode = mode_, buffer.yuv = yuv_, buffer.stride = stride_;
     buffer.pixels = buffers_->memory(index);
     if (stride_ == 0 && !frame.planes().empty())

@@ -134,7 +134,7 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
 
 Duration ExposureControl::readout(int height) const {
   if (shutter_ != Shutter::Rolling || !exists()) return Duration::zero();
-  return Duration(std::llround((height - 1) * unit_ns_));  // the exposure's unit is a line
+  return Duration(std::llround(height * unit_ns_));  // the exposure's unit is a line
 }
 
 void ExposureControl::describe(CameraCapabilities& camera) const {

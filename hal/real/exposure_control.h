@@ -38,8 +38,8 @@ class ExposureControl {
   // Sets a constant frame duration on a sensor; the picture is `width` x `height` pixels. Returns the
   // resulting duration.
   Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
-  // From the first row's exposure to the last one's, of a picture with so many rows, once the frame duration
-  // is fixed; zero where the shutter is global, or is not known to be rolling.
+  // The read-out time (CapturedBuffer) of a picture with so many rows, once the frame duration is fixed; zero
+  // where the shutter is global, or is not known to be rolling.
   Duration readout(int height) const;
   // The limits and steps as they are now.
   void describe(CameraCapabilities& camera) const;

@@ -50,8 +50,8 @@ struct Simulation {
   DropSettings drops;
   ClockJitterSettings clock_jitter;
 
-  // From the first row's exposure to the last one's, at most a frame: a sensor reads one after the other. 0
-  // where all rows are exposed at once.
+  // As a buffer states it, at most a frame: a sensor reads one after the other. 0 where all rows are exposed
+  // at once.
   Duration readout() const {
     return plan.on(Effect::RollingShutter) ? std::min(rolling_shutter.readout, frame_duration())
                                            : Duration::zero();

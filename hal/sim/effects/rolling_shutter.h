@@ -8,7 +8,7 @@
 namespace hdrcam {
 
 struct RollingShutterSettings {
-  Duration readout = std::chrono::milliseconds(12);  // from the first row to the last
+  Duration readout = std::chrono::milliseconds(12);  // of all rows
 };
 
 class RollingShutter {
