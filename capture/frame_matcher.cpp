@@ -38,8 +38,8 @@ ExposureRequest FrameMatcher::next_request() {
   return request;
 }
 
-// Frames of the sensor between the previous buffer and this one; at least one. A trigger pulse that the
-// sensor did not answer is no frame of its, so its controls did not act meanwhile.
+// Frames of the sensor between the previous buffer and this one; at least one. A trigger pulse that it did
+// not answer began no frame, so no controls acted at it.
 int FrameMatcher::frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
                                int triggers) const {
   // Of 29.97 Hz for 30 the grid is .3 frames off after that many: of a longer gap it tells nothing.

@@ -34,10 +34,11 @@ enum class PixelFormat {
   Grbg8,
   Gbrg8,
   Bggr8,
+  // 16-bit little-endian words
   Rggb10,
   Grbg10,
   Gbrg10,
-  Bggr10,  // 16-bit little endian words
+  Bggr10,
   Rggb12,
   Grbg12,
   Gbrg12,
@@ -46,14 +47,16 @@ enum class PixelFormat {
   Grbg16,
   Gbrg16,
   Bggr16,
+  // MIPI CSI-2: 4 pixels in 5 bytes
   Rggb10Packed,
   Grbg10Packed,
   Gbrg10Packed,
-  Bggr10Packed,  // MIPI CSI-2: 4 pixels in 5 bytes
+  Bggr10Packed,
+  // the same: 2 pixels in 3 bytes
   Rggb12Packed,
   Grbg12Packed,
   Gbrg12Packed,
-  Bggr12Packed,  // 2 pixels in 3 bytes
+  Bggr12Packed,
 };
 const char* name(PixelFormat format);
 std::optional<PixelFormat> pixel_format(std::string_view name);
