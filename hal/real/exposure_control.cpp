@@ -29,12 +29,18 @@ std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
   return wide ? control.value64 : control.value;
 }
 
+// A gain whose codes define no factors is left alone.
+void ExposureControl::take_gain(std::uint32_t id, const std::string& sensor) {
+  const Control found = query(id);
+  const auto codes = gain_codes_of(sensor, static_cast<double>(found.min));
+  if (found.id != 0 && codes) gain_ = found, gain_codes_ = *codes;
+}
+
 ExposureControl ExposureControl::of_sensor(const DeviceNode& sensor, const std::string& name) {
   ExposureControl control(sensor);
   control.sensor_ = true;
   control.exposure_ = control.query(V4L2_CID_EXPOSURE);
-  control.gain_ = control.query(V4L2_CID_ANALOGUE_GAIN);
-  control.gain_codes_ = gain_codes_of(name, static_cast<double>(control.gain_.min));
+  control.take_gain(V4L2_CID_ANALOGUE_GAIN, name);
   control.shutter_ = shutter_of(name);
   v4l2_subdev_format picture{};  // as it is now
   picture.which = V4L2_SUBDEV_FORMAT_ACTIVE;
@@ -47,12 +53,7 @@ ExposureControl ExposureControl::of_video_node(const DeviceNode& video) {
   ExposureControl control(video);
   control.exposure_ = control.query(V4L2_CID_EXPOSURE_ABSOLUTE);
   control.unit_ns_ = 1e5;
-  control.gain_ = control.query(V4L2_CID_GAIN);
-  // The gain of a USB camera has no unit. If its lowest code is positive it is assumed proportional; a range
-  // from 0 does not define factors, and the gain is left alone.
-  if (control.gain_.min <= 0) control.gain_ = {};
-  control.gain_codes_ = {GainCodes::Law::Proportional,
-                         static_cast<double>(std::max<std::int64_t>(1, control.gain_.min))};
+  control.take_gain(V4L2_CID_GAIN, "");
   return control;
 }
 

@@ -59,6 +59,7 @@ class ExposureControl {
   };
   explicit ExposureControl(const DeviceNode& node) : node_(&node) {}
   Control query(std::uint32_t id) const;
+  void take_gain(std::uint32_t id, const std::string& sensor);
   std::optional<std::int64_t> value(std::uint32_t id) const;
   std::optional<double> line_ns(std::int64_t width) const;  // of a sensor; nullopt where it does not say
 

@@ -74,9 +74,9 @@ double GainCodes::code_of(double gain) const {
   return gain * scale;
 }
 
-GainCodes gain_codes_of(std::string_view sensor, double lowest_code) {
+std::optional<GainCodes> gain_codes_of(std::string_view sensor, double lowest_code) {
   if (const Known* const one = known(sensor)) return one->gain;
-  return {Law::Proportional, std::max(lowest_code, 1.0)};
+  return lowest_code > 0 ? std::optional(GainCodes{Law::Proportional, lowest_code}) : std::nullopt;
 }
 
 Shutter shutter_of(std::string_view sensor) {

@@ -5,6 +5,7 @@
 // capture/sensor_table.h is another table, for any camera: control delays and black level.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 namespace hdrcam {
@@ -19,9 +20,10 @@ struct GainCodes {
   double code_of(double gain) const;
 };
 
-// The law of a sensor, by its entity name ("imx219 10-0010"). An unlisted sensor is assumed proportional,
-// with gain 1 at the driver's `lowest_code`, which must be positive.
-GainCodes gain_codes_of(std::string_view sensor, double lowest_code);
+// The law of a sensor, by its entity name ("imx219 10-0010"). An unlisted one, and a camera that has no such
+// name (""), is assumed proportional, with gain 1 at the driver's `lowest_code`; codes from 0 on define no
+// factors then: nullopt.
+std::optional<GainCodes> gain_codes_of(std::string_view sensor, double lowest_code);
 
 enum class Shutter { Unknown, Rolling, Global };
 // Of a sensor, by its entity name; Unknown for an unlisted one.

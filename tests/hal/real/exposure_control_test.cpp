@@ -27,6 +27,7 @@ struct SensorDriver {
                                                {V4L2_CID_HBLANK, 160},
                                                {V4L2_CID_PIXEL_RATE, 24'000'000}};
   std::set<std::uint32_t> fixed{V4L2_CID_HBLANK, V4L2_CID_PIXEL_RATE};  // that can only be read
+  std::int64_t least_gain = 1;                                          // code
 
   std::int64_t most(std::uint32_t id) const {
     if (id == V4L2_CID_ANALOGUE_GAIN) return 232;
@@ -40,7 +41,8 @@ struct SensorDriver {
     if (request == VIDIOC_QUERY_EXT_CTRL) {
       auto& asked = *static_cast<v4l2_query_ext_ctrl*>(argument);
       if (!values.contains(asked.id)) return EINVAL;
-      asked.minimum = 1, asked.maximum = most(asked.id), asked.step = 1;
+      asked.minimum = asked.id == V4L2_CID_ANALOGUE_GAIN ? least_gain : 1;
+      asked.maximum = most(asked.id), asked.step = 1;
       asked.flags = fixed.contains(asked.id) ? V4L2_CTRL_FLAG_READ_ONLY : 0;
       return 0;
     }
@@ -133,6 +135,24 @@ TEST_CASE("the gains of a sensor are those of its codes, whose steps grow with t
   CHECK(camera.gains.back() == camera.gain_max);
   CHECK(camera.gains[229] == Approx(256. / 26));
   CHECK(camera.gains[230] == Approx(256. / 25));
+}
+
+TEST_CASE("the gain of an unlisted sensor whose codes begin at 0 is left alone, for they define no factors") {
+  for (const auto& [name, is_set] : {std::pair{"some sensor", false}, {"imx219 10-0010", true}}) {
+    SensorDriver driver;
+    driver.least_gain = 0;
+    const test::AnsweredIoctl kernel(
+        [&](unsigned long request, void* argument) { return driver(request, argument); });
+    const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+    const ExposureControl control = ExposureControl::of_sensor(sensor, name);
+    CameraCapabilities camera;
+    control.describe(camera);
+    INFO(name);
+    CHECK(camera.gain_min == 1);
+    CHECK((camera.gain_max > 1) == is_set);
+    require_done(control.write({.exposure = std::chrono::milliseconds(5), .analogue_gain = 2}));
+    CHECK((driver.values[V4L2_CID_ANALOGUE_GAIN] != SensorDriver().values[V4L2_CID_ANALOGUE_GAIN]) == is_set);
+  }
 }
 
 TEST_CASE("controls that a driver lets nobody set stay as they are, and the frame duration is what it is") {
