@@ -7,6 +7,7 @@
 
 #include "hal/clock.h"
 #include "hal/core/parse_number.h"
+#include "hal/core/split_text.h"
 #include "hal/jpeg_decoder.h"
 #include "hal/real/enumerate.h"
 #include "hal/replay/replayed_camera.h"
@@ -100,9 +101,8 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
 
 Result<ControlDelays> parse_delays(std::string_view text) {
   const auto comma = text.find(',');
-  const auto number = [&](std::string_view part) -> std::optional<int> {
-    while (part.starts_with(' ')) part.remove_prefix(1);
-    const auto frames = parse_number<int>(part);
+  const auto number = [](std::string_view part) -> std::optional<int> {
+    const auto frames = parse_number<int>(trimmed(part));
     return frames && *frames >= 0 ? frames : std::nullopt;
   };
   const auto exposure = number(text.substr(0, comma));

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "hal/core/split_text.h"
+
 #if defined(__x86_64__)
 #include <cpuid.h>
 #include <pmmintrin.h>
@@ -64,8 +66,7 @@ std::string cpu_model() {
   std::string text(sizeof brand, '\0');
   std::memcpy(text.data(), brand.data(), sizeof brand);
   text.resize(std::strlen(text.c_str()));
-  const std::size_t first = text.find_first_not_of(' ');
-  if (told && first != std::string::npos) return text.substr(first, text.find_last_not_of(' ') - first + 1);
+  if (const std::string_view model = trimmed(text); told && !model.empty()) return std::string(model);
 #endif
   utsname system{};
   return uname(&system) == 0 ? system.machine : "unknown processor";

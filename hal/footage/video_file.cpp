@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "hal/core/parse_number.h"
+#include "hal/core/split_text.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/footage.h"
 
@@ -84,7 +85,6 @@ std::string_view exif_text(const AVFrame& frame, const char* tag) {
 
 // Make and model of the camera, without the blanks that some put behind them; "": not stated.
 std::string exif_model(const AVFrame& frame) {
-  const auto trimmed = [](std::string_view text) { return text.substr(0, text.find_last_not_of(' ') + 1); };
   const std::string_view make = trimmed(exif_text(frame, "Make")), model = trimmed(exif_text(frame, "Model"));
   return make.empty() || model.empty() ? std::string(model) : fmt::format("{} {}", make, model);
 }
