@@ -166,7 +166,10 @@ Result<std::string> CameraSource::start_recording() {
   TRY(session_->may_record());
   const std::uint64_t before = session_->counters().in_takes;
   Takes::Created take = TRY(takes_->create(facts_));
-  TRY(session_->start_recording(std::move(take.writer)));
+  if (const Result<void> started = session_->start_recording(std::move(take.writer)); !started) {
+    takes_->discard(take.path);  // the run ended meanwhile
+    return started.error();
+  }
   takes_->started(take.path, before);
   recording_ = take.path;
   return recording_;

@@ -28,6 +28,8 @@ class Takes {
   };
   // Also makes their folder. Errors: those of the disk.
   Result<Created> create(const CameraFacts& camera);
+  // No frame went into this one, nor will: its file goes.
+  void discard(const std::string& path) { (void)storage_.remove(path); }
   // Frames go into this one from now on. frames: in all takes before it, which are complete.
   void started(std::string path, std::uint64_t frames) { started_.push_back({std::move(path), frames}); }
 

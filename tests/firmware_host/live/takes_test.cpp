@@ -28,5 +28,18 @@ TEST_CASE(
   CHECK(takes.account(6) == first.path + ": 5 frames\n" + second.path + ": 1 frame\n");
 }
 
+TEST_CASE("a take that was not begun leaves no file, and its number is the next one's") {
+  const std::string folder = sample::scratch_folder("takes_discarded");
+  Takes takes(posix_storage(), value_of(FramePattern::parse("--http-record", folder + "/%02d.mkv", ".mkv")),
+              RecordingCodec::Huffyuv);
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 32, 24);
+  const std::string path = value_of(takes.create(camera)).path;
+  CHECK(std::filesystem::exists(path));
+  takes.discard(path);
+  CHECK_FALSE(std::filesystem::exists(path));
+  CHECK(takes.account(0).empty());
+  CHECK(value_of(takes.create(camera)).path == path);
+}
+
 }  // namespace
 }  // namespace hdrcam
