@@ -76,6 +76,13 @@ void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
   }
 }
 
+std::vector<FoundDevice> list_cameras() {
+  std::vector<FoundDevice> cameras;
+  add_libcamera_cameras(cameras);
+  add_v4l2_cameras(cameras);
+  return cameras;
+}
+
 void add_gpio_chips(std::vector<FoundDevice>& devices) {
   for (const std::string& node : gpio_chip_nodes()) {
     auto chip = inspect_gpio_chip(node);
@@ -126,8 +133,8 @@ std::string what_stands_in_the_way() {
 
 Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
   std::vector<std::string> usable;
-  for (const FoundDevice& device : list_devices())
-    if (device.kind == DeviceKind::Camera && !device.id.empty()) usable.push_back(device.id);
+  for (const FoundDevice& camera : list_cameras())
+    if (!camera.id.empty()) usable.push_back(camera.id);
   if (usable.empty())
     return Error{ErrorCode::NotFound, fmt::format("there is no camera; {}", what_stands_in_the_way())};
   // The same camera may appear both in libcamera and as a node: libcamera's comes first and wins.
@@ -142,9 +149,7 @@ Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
 }  // namespace
 
 std::vector<FoundDevice> list_devices() {
-  std::vector<FoundDevice> devices;
-  add_libcamera_cameras(devices);
-  add_v4l2_cameras(devices);
+  std::vector<FoundDevice> devices = list_cameras();
   add_gpio_chips(devices);
   add_graphics(devices);
   return devices;
