@@ -139,7 +139,7 @@ Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const 
   const auto held = storage.open(file);
   if (!held && held.error().code != ErrorCode::NotFound) return held.error();
   if (held && how == Creation::New)
-    return Error{ErrorCode::Invalid,
+    return Error{ErrorCode::Exists,
                  fmt::format("'{}' already holds a clip; name another folder or remove it", folder)};
   TRY(storage.make_directories(folder + "/" + ImageSequence::kPictures));
   ImageSequenceWriter writer(storage, folder);

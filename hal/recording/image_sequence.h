@@ -60,7 +60,7 @@ std::unique_ptr<RecordingReader> reader_of(ImageSequence clip);
 class ImageSequenceWriter {
  public:
   // Makes the folder. how: Replace keeps the clip.json of an earlier clip until the first image. Errors:
-  // Invalid where it already holds a clip and none is to be replaced; Permission. The storage outlives the
+  // Exists where it already holds a clip and none is to be replaced; Permission. The storage outlives the
   // writer.
   static Result<ImageSequenceWriter> create(Storage& storage, const std::string& folder,
                                             const CameraFacts& camera, Creation how = Creation::New);

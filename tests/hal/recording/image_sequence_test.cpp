@@ -460,6 +460,6 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
         CHECK(sample::same(frame.value(), frames[static_cast<std::size_t>(i)]));
       }
       CHECK(sample::error_of(ImageSequenceWriter::create(posix_storage(), folder, camera)).code ==
-            ErrorCode::Invalid);
+            ErrorCode::Exists);
     }
 }
