@@ -60,7 +60,9 @@ SettingField flag_of_knob(const char* knob, const char* key, const char* flag, c
   field.type = kTypeOf<T>;
   field.key = key, field.flag = flag, field.about = about, field.unset = unset;
   field.range = range;
-  field.knob = &*std::ranges::find(knob_table(), knob, &Knob::name);
+  const auto found = std::ranges::find(knob_table(), knob, &Knob::name);
+  HDRCAM_CHECK(found != knob_table().end());
+  field.knob = &*found;
   field.read = [knob, otherwise](const Settings& s) -> SettingValue {
     const auto set = s.fit.knobs.find(knob);
     return set == s.fit.knobs.end() ? otherwise : parse_number<T>(set->second).value_or(otherwise);
