@@ -129,8 +129,9 @@ Result<ControlDelays> measure_delays(Camera& camera, const Settings& settings,
     return Error{
         ErrorCode::Unsupported,
         fmt::format("the exposure of '{}' cannot be set; there is no delay to measure", capabilities.id)};
-  const CaptureSetup setup = TRY(capture_setup(settings, capabilities));
-  const StreamMode mode = TRY(camera.configure(setup.options.mode, setup.options.buffers));
+  CaptureSetup setup = TRY(capture_setup(settings, capabilities));
+  StreamMode& mode = setup.options.mode;
+  mode = TRY(camera.configure(mode, setup.options.buffers));
   const auto schedule =
       TRY(ExposureSchedule::create(setup.cycle, capabilities, mode.frame_duration, setup.mains));
   const int exposure = TRY(exposure_delay(camera, setup.options, schedule, settings.schedule.shutter, stop));
