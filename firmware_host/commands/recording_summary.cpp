@@ -102,20 +102,22 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   summary.codec = reader->codec();
   const auto file = TRY(storage.open(path));
   summary.bytes = TRY(file->size());
-  std::vector<FrameFacts> frames;
+  ExposureCycleSearch schedule;
+  std::optional<FrameFacts> before;
+  std::optional<Instant> start;
   for (;;) {
     auto facts = reader->next_facts();
     if (!facts) summary.end = facts.error();
     if (!facts || !facts.value()) break;
-    frames.push_back(**facts);
-    count(summary, frames.back(), frames.size() > 1 ? &frames[frames.size() - 2] : nullptr);
+    count(summary, **facts, before ? &*before : nullptr);
+    schedule.add(**facts);
+    before = **facts;
+    if (!start) start = before->timestamp;
   }
   summary.left_out = reader->left_out();
   summary.behind = told_of_behind(*reader);
-  summary.cycle = find_exposure_cycle(frames);
-  if (!frames.empty())
-    summary.duration =
-        frames.back().timestamp - frames.front().timestamp + from_seconds(1 / summary.camera.framerate_hz);
+  summary.cycle = schedule.cycle();
+  if (start) summary.duration = before->timestamp - *start + from_seconds(1 / summary.camera.framerate_hz);
   return summary;
 }
 

@@ -4,67 +4,62 @@
 #include <cmath>
 
 namespace hdrcam {
-namespace {
 
-constexpr std::uint64_t kLongestPeriod = 64;  // no schedule is longer; bounds the search
+void ExposureCycleSearch::SlotExposures::add(double ev) {
+  sum_ev += ev, count += 1;
+  least_ev = std::min(least_ev, ev), most_ev = std::max(most_ev, ev);
+}
 
-// The cycle in which `slot_at` gives the slot of each frame (-1: none), or one of period 0 where the
-// exposures of a slot do not agree or a slot does not occur.
-template <class SlotAt>
-ExposureCycle cycle_of(std::span<const FrameFacts> frames, std::size_t period, double tolerance_ev,
-                       const SlotAt& slot_at) {
-  struct Slot {
-    double sum_ev = 0, count = 0;
-    double mean_ev() const { return sum_ev / count; }
-  };
-  std::vector<Slot> slots(period);
-  const auto each = [&](const auto& visit) {
-    for (const FrameFacts& frame : frames)
-      if (const int slot = slot_at(frame); slot >= 0 && frame.has_exposure())
-        visit(slots[static_cast<std::size_t>(slot)], std::log2(frame.exposure()));
-  };
-  each([](Slot& slot, double ev) { slot.sum_ev += ev, slot.count += 1; });
+bool ExposureCycleSearch::SlotExposures::agree(double tolerance_ev) const {
+  return mean_ev() - least_ev <= tolerance_ev && most_ev - mean_ev() <= tolerance_ev;
+}
+
+// One of period 0 where the exposures of a slot do not agree or a slot does not occur.
+ExposureCycle ExposureCycleSearch::cycle_of(std::span<const SlotExposures> slots, double tolerance_ev) {
   ExposureCycle cycle;
-  for (const Slot& slot : slots) {
-    if (slot.count == 0) return {};
+  for (const SlotExposures& slot : slots) {
+    if (slot.count == 0 || !slot.agree(tolerance_ev)) return {};
     cycle.exposures.push_back(std::exp2(slot.mean_ev()));
   }
-  bool agrees = true;
-  each([&](const Slot& slot, double ev) { agrees &= std::abs(ev - slot.mean_ev()) <= tolerance_ev; });
-  if (!agrees) return {};
-  cycle.period = static_cast<int>(period);
+  cycle.period = static_cast<int>(slots.size());
   return cycle;
 }
 
-ExposureCycle recorded_cycle(std::span<const FrameFacts> frames, double tolerance_ev) {
-  int last = -1;
-  for (const FrameFacts& frame : frames) last = std::max(last, frame.slot);
-  if (last < 0 || last >= static_cast<int>(kLongestPeriod)) return {};
-  ExposureCycle cycle = cycle_of(frames, static_cast<std::size_t>(last) + 1, tolerance_ev,
-                                 [](const FrameFacts& frame) { return frame.slot; });
-  cycle.recorded = cycle.period > 0;
-  return cycle;
+void ExposureCycleSearch::add(const FrameFacts& frame) {
+  if (frames_++ == 0) first_ = frame.sequence;
+  runs_backward_ |= frame.sequence < first_;
+  const std::uint64_t place = frame.sequence - first_;
+  range_ = std::max(range_, place + 1);
+  last_stated_ = std::max(last_stated_, frame.slot);
+  if (!frame.has_exposure()) return;
+  const double ev = std::log2(frame.exposure());
+  if (frame.slot >= 0 && frame.slot < static_cast<int>(kLongestPeriod))
+    stated_[static_cast<std::size_t>(frame.slot)].add(ev);
+  for (std::size_t period = 1; period <= kLongestPeriod; ++period)
+    counted_[first_slot(period) + place % period].add(ev);
 }
 
-}  // namespace
+ExposureCycle ExposureCycleSearch::cycle(double tolerance_ev) const {
+  if (frames_ < 2) return {};
+  if (last_stated_ >= 0 && last_stated_ < static_cast<int>(kLongestPeriod)) {
+    const std::size_t period = static_cast<std::size_t>(last_stated_) + 1;
+    ExposureCycle stated = cycle_of(std::span(stated_).first(period), tolerance_ev);
+    stated.recorded = stated.period > 0;
+    if (stated.recorded) return stated;
+  }
+  if (runs_backward_) return {};
+  const std::uint64_t longest = std::min({std::uint64_t{kLongestPeriod}, range_ / 2, frames_});
+  for (std::size_t period = 1; period <= longest; ++period) {
+    ExposureCycle found = cycle_of(std::span(counted_).subspan(first_slot(period), period), tolerance_ev);
+    if (found.period > 0) return found;
+  }
+  return {};
+}
 
 ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames, double tolerance_ev) {
-  if (frames.size() < 2) return {};
-  if (ExposureCycle cycle = recorded_cycle(frames, tolerance_ev); cycle.recorded) return cycle;
-  std::uint64_t range = 0;
-  for (const FrameFacts& frame : frames) {
-    if (frame.sequence < frames.front().sequence) return {};  // the counter ran backward and is not usable
-    range = std::max(range, frame.sequence - frames.front().sequence + 1);
-  }
-  for (std::uint64_t period = 1;
-       period <= std::min({kLongestPeriod, range / 2, std::uint64_t{frames.size()}}); ++period)
-    if (auto cycle = cycle_of(frames, period, tolerance_ev,
-                              [&](const FrameFacts& frame) {
-                                return static_cast<int>((frame.sequence - frames.front().sequence) % period);
-                              });
-        cycle.period > 0)
-      return cycle;
-  return {};
+  ExposureCycleSearch search;
+  for (const FrameFacts& frame : frames) search.add(frame);
+  return search.cycle(tolerance_ev);
 }
 
 int slot_of(const ExposureCycle& cycle, const FrameFacts& first, const FrameFacts& frame) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/allocation_checks.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -100,4 +102,17 @@ TEST_CASE("slots that the frames say themselves are the cycle, whatever came bef
   CHECK(slot_of(cycle, frames.front(), frames[2]) == 1);
   frames[3].exposure_s = 0.001;  // says slot 0, but is not
   CHECK_FALSE(find_exposure_cycle(frames).recorded);
+}
+
+TEST_CASE("frames that come one by one show the cycle as soon as it repeats, and none of them is kept") {
+  const auto frames = repeated({-2, 0, 2}, 600);
+  ExposureCycleSearch search;
+  for (std::size_t i = 0; i < 5; ++i) search.add(frames[i]);
+  CHECK(search.cycle().period == 0);
+  const std::uint64_t before = own_allocations_so_far();
+  for (std::size_t i = 5; i < frames.size(); ++i) search.add(frames[i]);
+  CHECK_ALLOCATIONS(own_allocations_so_far() == before);
+  REQUIRE(search.cycle().period == 3);
+  CHECK(search.cycle().exposures[0] == Approx(0.001));
+  CHECK(search.cycle().exposures[2] == Approx(0.016));
 }
