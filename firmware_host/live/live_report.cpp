@@ -4,13 +4,12 @@
 
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/whole_percent.h"
 
 namespace hdrcam {
 
 std::string live_line(double seconds, const LiveCounters& counters, LiveWork work) {
   const CaptureCounters& camera = counters.camera;
-  const double judged = static_cast<double>(camera.emitted);
-  const double proved = camera.emitted > 0 ? 100 * static_cast<double>(camera.proved) / judged : 0;
   std::string line = fmt::format("{:.1f} s  captured {}", seconds, counters.captured());
   if (work == LiveWork::Fit)
     line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
@@ -18,7 +17,7 @@ std::string live_line(double seconds, const LiveCounters& counters, LiveWork wor
   else
     line += fmt::format("  recorded {}  dropped {}", counters.recorded, counters.not_recorded());
   if (camera.lost_by_camera > 0) line += fmt::format("  lost {}", camera.lost_by_camera);
-  return line + fmt::format("  exposure proved {:.0f} %", proved);
+  return line + fmt::format("  exposure proved {} %", whole_percent(camera.proved, camera.emitted));
 }
 
 void LiveStatus::update() {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "firmware_host/sinks/report_style.h"
 #include "firmware_host/sinks/svg_chart.h"
 #include "firmware_host/version.h"
+#include "firmware_host/whole_percent.h"
 #include "hal/core/cpu.h"
 
 namespace hdrcam {
@@ -21,7 +23,8 @@ namespace {
 
 constexpr std::size_t kMostPoints = 240;  // along a chart's time axis
 constexpr std::size_t kMostNotedFrames = 20;
-constexpr double kMetWell = 95;  // % of frames within the deadline; from here on the share is shown in green
+// % of frames within the deadline; from here on the share is shown in green
+constexpr std::uint64_t kMetWell = 95;
 constexpr double kHole = std::numeric_limits<double>::quiet_NaN();
 
 std::string css(Rgb colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b); }
@@ -112,10 +115,11 @@ std::string tiles(const RunRecord& record) {
   html += tile(fmt::format("{:.1f}", mean_ms), "ms",
                mean_ms > 0 ? fmt::format("per frame, {:.1f} frames/s", 1000 / mean_ms) : "per frame");
   if (const int worked_on = record.emitted + record.left_out; record.deadline_ms > 0 && worked_on > 0) {
-    const double share = 100.0 * (worked_on - record.late) / worked_on;
-    html +=
-        tile(fmt::format("{:.0f}", share), "%", fmt::format("of frames within {:.1f} ms", record.deadline_ms),
-             share < kMetWell ? "bad" : "good");
+    const std::uint64_t share =
+        whole_percent(static_cast<std::uint64_t>(std::max(0, worked_on - record.late)),
+                      static_cast<std::uint64_t>(worked_on));
+    html += tile(fmt::format("{}", share), "%", fmt::format("of frames within {:.1f} ms", record.deadline_ms),
+                 share < kMetWell ? "bad" : "good");
   }
   html += tile(fmt::format("{}", record.dropped), "", "frames dropped", record.dropped > 0 ? "bad" : "");
   for (const bool higher_is_better : {true, false}) {  // the first score of each kind
