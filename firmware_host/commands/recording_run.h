@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/recording_source.h"
@@ -12,6 +13,10 @@
 #include "hal/storage.h"
 
 namespace hdrcam {
+
+// The settings that apply to `replay` and `render`.
+inline const std::vector<SettingGroup> kRecordingRunGroups{SettingGroup::Fit, SettingGroup::Knobs,
+                                                           SettingGroup::Output, SettingGroup::Machine};
 
 // Before an output's folder is made. verb: "replay". Errors: Invalid where no recording is named, NotFound
 // where there is none of that name.

@@ -304,11 +304,7 @@ void add_render(CommandLine program, Verb& chosen) {
       .check(names_file);
   add_view_flags(verb, flags->options);
   flags->kept.add_to(verb);
-  flags->settings =
-      std::make_unique<SettingsFlags>(verb,
-                                      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs,
-                                                                SettingGroup::Output, SettingGroup::Machine},
-                                      not_of_a_film());
+  flags->settings = std::make_unique<SettingsFlags>(verb, kRecordingRunGroups, not_of_a_film());
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 

@@ -95,11 +95,8 @@ void add_replay(CommandLine program, Verb& chosen) {
       "fail at a damaged frame and where pictures contradict an exposure, instead of going on with a "
       "warning");
   flags->kept.add_to(verb);
-  flags->settings =
-      std::make_unique<SettingsFlags>(verb,
-                                      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs,
-                                                                SettingGroup::Output, SettingGroup::Machine},
-                                      std::vector<std::string>{"output.http_record"});  // of a camera
+  flags->settings = std::make_unique<SettingsFlags>(
+      verb, kRecordingRunGroups, std::vector<std::string>{"output.http_record"});  // of a camera
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, replay); });
 }
 
