@@ -39,9 +39,12 @@ inline bool is_key(const AVFrame& frame) { return frame.key_frame != 0; }
 inline bool is_interlaced(const AVFrame& frame) { return frame.interlaced_frame != 0; }
 #endif
 
+// Whether a stream's side data is with its codec parameters, as from 6.1 on, or with the stream itself.
+#define HDRCAM_LIBAV_CODED_SIDE_DATA (LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100))
+
 // `data`, from av_malloc, belongs to the stream then. False: no memory.
 inline bool add_side_data(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size) {
-#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100)
+#if HDRCAM_LIBAV_CODED_SIDE_DATA
   AVCodecParameters& codec = *stream.codecpar;
   return av_packet_side_data_add(&codec.coded_side_data, &codec.nb_coded_side_data, type, data, size, 0) !=
          nullptr;

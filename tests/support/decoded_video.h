@@ -16,6 +16,7 @@ extern "C" {
 #include <vector>
 
 #include "hal/core/image.h"
+#include "hal/recording/libav.h"
 
 namespace hdrcam::test {
 
@@ -55,7 +56,7 @@ std::optional<T> side_data(const AVFrame& frame, AVFrameSideDataType type) {
 }
 template <class T>
 std::optional<T> side_data(const AVStream& stream, AVPacketSideDataType type) {
-#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100)  // FFmpeg 6.1
+#if HDRCAM_LIBAV_CODED_SIDE_DATA
   const AVCodecParameters& codec = *stream.codecpar;
   const AVPacketSideData* const side =
       av_packet_side_data_get(codec.coded_side_data, codec.nb_coded_side_data, type);
@@ -68,7 +69,7 @@ std::optional<T> side_data(const AVStream& stream, AVPacketSideDataType type) {
 
 // Everything that can be decoded; an empty video where the file is none.
 inline DecodedVideo decoded_video(const std::string& path) {
-  av_log_set_level(AV_LOG_QUIET);
+  libav::be_quiet();
   DecodedVideo video;
   AVFormatContext* opened = nullptr;
   if (avformat_open_input(&opened, path.c_str(), nullptr, nullptr) < 0) return video;
@@ -76,9 +77,7 @@ inline DecodedVideo decoded_video(const std::string& path) {
   const std::unique_ptr<AVFormatContext, decltype(close)> demuxer(opened, close);
   if (avformat_find_stream_info(opened, nullptr) < 0 || opened->nb_streams == 0) return video;
   const AVStream& stream = *opened->streams[0];
-  const auto free_context = [](AVCodecContext* context) { avcodec_free_context(&context); };
-  const std::unique_ptr<AVCodecContext, decltype(free_context)> decoder(
-      avcodec_alloc_context3(avcodec_find_decoder(stream.codecpar->codec_id)), free_context);
+  const libav::CodecContext decoder(avcodec_alloc_context3(avcodec_find_decoder(stream.codecpar->codec_id)));
   avcodec_parameters_to_context(decoder.get(), stream.codecpar);
   if (avcodec_open2(decoder.get(), nullptr, nullptr) < 0) return video;
 
@@ -89,10 +88,10 @@ inline DecodedVideo decoded_video(const std::string& path) {
   video.mastering = side_data<AVMasteringDisplayMetadata>(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA);
   video.light = side_data<AVContentLightMetadata>(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL);
 
-  AVPacket* packet = av_packet_alloc();
-  AVFrame* frame = av_frame_alloc();
+  const libav::Packet packet(av_packet_alloc());
+  const libav::Frame frame(av_frame_alloc());
   const auto take = [&] {
-    while (avcodec_receive_frame(decoder.get(), frame) >= 0) {
+    while (avcodec_receive_frame(decoder.get(), frame.get()) >= 0) {
       video.pixel_format = text(av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame->format)));
       video.primaries = text(av_color_primaries_name(frame->color_primaries));
       video.transfer = text(av_color_transfer_name(frame->color_trc));
@@ -106,14 +105,12 @@ inline DecodedVideo decoded_video(const std::string& path) {
            side_data<AVContentLightMetadata>(*frame, AV_FRAME_DATA_CONTENT_LIGHT_LEVEL)});
     }
   };
-  while (av_read_frame(opened, packet) >= 0) {
-    if (packet->stream_index == 0 && avcodec_send_packet(decoder.get(), packet) >= 0) take();
-    av_packet_unref(packet);
+  while (av_read_frame(opened, packet.get()) >= 0) {
+    if (packet->stream_index == 0 && avcodec_send_packet(decoder.get(), packet.get()) >= 0) take();
+    av_packet_unref(packet.get());
   }
   avcodec_send_packet(decoder.get(), nullptr);
   take();
-  av_packet_free(&packet);
-  av_frame_free(&frame);
   return video;
 }
 
