@@ -1,0 +1,159 @@
+// When the frames of footage are, as their files say it or the user, and what is missing between them.
+#include <filesystem>
+#include <fstream>
+
+#include "firmware_host/footage/described_plan.h"
+#include "firmware_host/footage/footage_plan.h"
+
+#include "tests/firmware_host/commands/footage_imports.h"
+
+using namespace hdrcam;
+using Catch::Contains;
+using test::check_labels;
+using test::filmed;
+using test::import_verb;
+using test::pictures;
+using test::times_in;
+using test::write_bracket;
+
+namespace {
+
+// What `import --list` says of the footage in a folder.
+std::string listed(const std::string& folder) {
+  const std::atomic<bool> stop = false;
+  FootageRequest request;
+  request.files = footage_in(folder).value();
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  return described(plan.value());
+}
+
+// The green of pictures as Y4M, which states a rate and no times.
+void write_y4m(const std::string& path, const std::vector<Image<std::uint16_t>>& rgb) {
+  std::ofstream file(path, std::ios::binary);
+  file << fmt::format("YUV4MPEG2 W{} H{} F30:1 Ip A1:1 Cmono\n", rgb[0].cols(), rgb[0].rows());
+  for (const Image<std::uint16_t>& picture : rgb) {
+    file << "FRAME\n";
+    for (std::size_t i = 0; i < picture.plane_size(); ++i) file.put(static_cast<char>(picture.plane(1)[i]));
+  }
+}
+
+// Of a Matroska video of the scene with frames at these times.
+FootagePlan plan_of_matroska(const std::string& name, const std::vector<double>& times_s, double rate_hz) {
+  const std::string path = sample::scratch_folder(name) + "/x.mkv";
+  const std::vector<int> frames = filmed(0, static_cast<int>(times_s.size()), {});
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(frames), times_s, rate_hz).ok());
+  const std::atomic<bool> stop = false;
+  auto plan = plan_footage(posix_storage(), {.files = {path}, .shutter = "1ms,4ms,16ms", .gain = ""}, stop);
+  REQUIRE(plan.ok());
+  return std::move(plan).value();
+}
+
+}  // namespace
+
+TEST_CASE("stills come at the times that EXIF states, brackets close together and pauses between them") {
+  const std::string t = "2026:11:22 17:00:0";
+  const std::vector<std::string> seconds{t + "0", t + "0", t + "0", t + "4", t + "4",
+                                         t + "4", t + "8", t + "8", t + "8"};
+  const std::vector<std::string> parts{"10", "35", "60", "00", "25", "50", "00", "25", "50"};
+  const std::string folder = write_bracket("import_times", seconds, parts);
+  const std::string out = sample::scratch_folder("import_times_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  const std::vector<double> expected{0, .25, .5, 3.9, 4.15, 4.4, 7.9, 8.15, 8.4};
+  const std::vector<double> times = times_in(out);
+  REQUIRE(times.size() == 9);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(expected[i]).margin(1e-9));
+  check_labels(out, filmed(0, 9, {}));  // a pause is no loss
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(4));
+
+  // A frame rate that the user names comes first.
+  REQUIRE(import_verb(folder + " --framerate 10 --force -o " + out).ok());
+  const std::vector<double> named = times_in(out);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(named[i] == Approx(0.1 * static_cast<double>(i)).margin(1e-9));
+}
+
+TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and the list says why") {
+  const std::string t = "2026:11:22 17:00:0";
+  const std::string folder = write_bracket(
+      "import_coarse", {t + "0", t + "0", t + "1", t + "1", t + "2", t + "2", t + "3", t + "3", t + "4"});
+  const std::string out = sample::scratch_folder("import_coarse_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  const std::vector<double> times = times_in(out);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(static_cast<double>(i) / 30).margin(1e-8));
+  CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
+}
+
+TEST_CASE("a raw stream of H.264, which has no times, comes at its frame rate or at the one named") {
+  const std::string folder = sample::scratch_folder("import_raw_stream"), out = folder + "/x.mkv";
+  const std::vector<int> frames = filmed(0, 24, {});
+  REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(frames)).ok());
+  REQUIRE(test::write_raw_h264(folder + "/x.mp4", folder + "/x.h264").ok());
+  REQUIRE(import_verb(folder + "/x.h264 --shutter 1ms,4ms,16ms -o " + out).ok());
+  check_labels(out, frames);
+  const double rate_hz = open_recording(posix_storage(), out).value()->camera().framerate_hz;
+  const std::vector<double> times = times_in(out);
+  for (std::size_t i = 0; i < times.size(); ++i)
+    CHECK(times[i] == Approx(static_cast<double>(i) / rate_hz).margin(1e-8));
+  REQUIRE(import_verb(folder + "/x.h264 --shutter 1ms,4ms,16ms --framerate 50 --force -o " + out).ok());
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(50));
+  CHECK(times_in(out).back() == Approx(23. / 50).margin(1e-8));
+}
+
+TEST_CASE("--framerate is that of Y4M, which has no times, and refused of a video that has them") {
+  const std::string folder = sample::scratch_folder("import_framerate"), out = folder + "/x.mkv";
+  const std::vector<int> frames = filmed(0, 24, {});
+  write_y4m(folder + "/x.y4m", pictures(frames));
+  REQUIRE(import_verb(folder + "/x.y4m --shutter 1ms,4ms,16ms -o " + out).ok());
+  CHECK(times_in(out).back() == Approx(23. / 30).margin(1e-8));
+  REQUIRE(import_verb(folder + "/x.y4m --shutter 1ms,4ms,16ms --framerate 50 --force -o " + out).ok());
+  check_labels(out, frames);
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(50));
+  CHECK(times_in(out).back() == Approx(23. / 50).margin(1e-8));
+
+  const std::string video = folder + "/x.mp4";
+  REQUIRE(test::write_video(video, VideoCodec::H264, pictures(frames)).ok());
+  const auto refused = import_verb(video + " --shutter 1ms,4ms,16ms --framerate 50 --list");
+  CHECK(sample::error_of(refused).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(refused).message, Contains(video) && Contains("leave out --framerate"));
+}
+
+TEST_CASE("times in whole milliseconds give the video's frame rate, and no frame for missing") {
+  for (const double rate_hz : {24., 60., 120., 480.}) {
+    std::vector<double> times_s;
+    for (int i = 0; i < 24; ++i) times_s.push_back(i / rate_hz);
+    const FootagePlan plan = plan_of_matroska("import_milliseconds", times_s, rate_hz);
+    INFO(rate_hz);
+    CHECK(plan.camera.framerate_hz == Approx(rate_hz).epsilon(1e-6));
+    for (std::size_t i = 0; i < plan.facts.size(); ++i) CHECK(plan.facts[i].sequence == i);
+  }
+}
+
+TEST_CASE("videos of different frame rates do not make one clip, and both are named with their rates") {
+  const std::string folder = sample::scratch_folder("import_rates");
+  const std::string a = folder + "/a.mp4", b = folder + "/b.mp4";
+  REQUIRE(test::write_video(a, VideoCodec::H264, pictures(filmed(0, 12, {})), {}, 30).ok());
+  REQUIRE(test::write_video(b, VideoCodec::H264, pictures(filmed(12, 12, {})), {}, 15).ok());
+  const auto imported = import_verb(a + " " + b + " -o " + folder + "/x.mkv --shutter 1ms,4ms,16ms");
+  REQUIRE_FALSE(imported.ok());
+  CHECK(imported.error().code == ErrorCode::Invalid);
+  CHECK_THAT(imported.error().message, Contains("b.mp4' has 15 frames") && Contains("a.mp4' 30,"));
+}
+
+TEST_CASE("a pause of years is a loss of very many frames") {
+  std::vector<double> times_s;
+  for (int i = 0; i < 12; ++i) times_s.push_back(i / 30. + (i < 6 ? 0 : 143165576));
+  const FootagePlan plan = plan_of_matroska("import_years", times_s, 30);
+  CHECK(plan.facts.back().sequence > 1'000'000'000);
+  CHECK_THAT(describe_missing(plan), Contains("frames are missing, before frame 6"));
+}
+
+TEST_CASE("stills without any time come at the frame rate, and the list says so") {
+  const std::string folder = write_bracket("import_no_times");
+  CHECK_THAT(listed(folder),
+             Contains("times: at 30 frames per second, for none of them says in EXIF when it was taken"));
+}
+
+TEST_CASE("a frame rate that no recording can have is refused") {
+  for (const char* rate : {"1e9", "1e-9", "nan", "0", "-30", "fast"})
+    CHECK_THROWS_AS(import_verb(fmt::format("x.png --list --framerate {}", rate)), CLI::ValidationError);
+}
