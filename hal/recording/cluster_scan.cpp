@@ -20,6 +20,9 @@ constexpr std::uint64_t kOwnHead = 64;  // bytes: what lies in them is of the fi
 // Before the blocks of a cluster and, of a group, behind its block: its duration, what it refers to.
 constexpr std::uint64_t kBesideBlocks[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7, 0x9b, 0xfb};
 constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
+// A block begins with its track, numbered from 1; 0x80 marks the number's length.
+constexpr std::byte kTrackOfPixels{0x81 + matroska::kPixelTrack}, kTrackOfFacts{0x81 + matroska::kFactsTrack};
+constexpr std::size_t kMostHead = 19;  // bytes: identifier and size of a group and of its block, the track
 
 std::uint64_t number(std::span<const std::byte> bytes) {
   std::uint64_t value = 0;
@@ -30,56 +33,75 @@ std::uint64_t number(std::span<const std::byte> bytes) {
 }  // namespace
 
 // An identifier and a size, both with a length in leading zeros; nullopt for what cannot be one that ends by
-// `end`.
-Result<std::optional<ClusterScan::Element>> ClusterScan::element_at(std::uint64_t at, std::uint64_t end) {
-  std::array<std::byte, 12> head{};
-  const std::size_t known = TRY(file_.read_at(at, head));
+// `end`. bytes: those from `at` on.
+std::optional<ClusterScan::Element> ClusterScan::element_in(std::span<const std::byte> bytes,
+                                                            std::uint64_t at, std::uint64_t end) {
   const auto length_at = [&](std::size_t i) {
-    return i < known ? static_cast<std::size_t>(std::countl_zero(std::to_integer<std::uint8_t>(head[i]))) + 1
-                     : std::size_t{9};
+    return i < bytes.size()
+               ? static_cast<std::size_t>(std::countl_zero(std::to_integer<std::uint8_t>(bytes[i]))) + 1
+               : std::size_t{9};
   };
   const std::size_t id_length = length_at(0);
-  if (id_length > 4) return std::optional<Element>();
+  if (id_length > 4) return {};
   const std::size_t size_length = length_at(id_length);
-  if (size_length > 8 || id_length + size_length > known) return std::optional<Element>();
+  if (size_length > 8 || id_length + size_length > bytes.size()) return {};
   Element element;
-  element.id = number(std::span(head).first(id_length));
+  element.id = number(bytes.first(id_length));
   element.size =
-      number(std::span(head).subspan(id_length, size_length)) & ((std::uint64_t{1} << (7 * size_length)) - 1);
+      number(bytes.subspan(id_length, size_length)) & ((std::uint64_t{1} << (7 * size_length)) - 1);
   element.content = at + id_length + size_length;
-  if (element.content > end || element.size > end - element.content) return std::optional<Element>();
-  return std::optional(element);
+  if (element.content > end || element.size > end - element.content) return {};
+  return element;
 }
 
-Result<ClusterScan::Place> ClusterScan::find_identifier() {
-  constexpr std::size_t kOverlap = std::max(kCluster.size(), kDocType.size()) - 1;
+// The block that begins there, or in the group that does; nullopt for what cannot be one of our tracks.
+// bytes: those from `at` on, kMostHead of them where the file has as many.
+std::optional<ClusterScan::Element> ClusterScan::block_in(std::span<const std::byte> bytes, std::uint64_t at,
+                                                          std::uint64_t end) const {
+  if (bytes.empty() || (bytes[0] != std::byte{kSimpleBlock} && bytes[0] != std::byte{kBlockGroup})) return {};
+  std::optional<Element> block = element_in(bytes, at, end);
+  const bool in_group = block && block->id == kBlockGroup;
+  if (in_group)
+    block = element_in(bytes.subspan(block->content - at), block->content, block->content + block->size);
+  if (!block || block->id != (in_group ? kBlock : kSimpleBlock)) return {};
+  if (block->size < matroska::kBlockHead || block->size > most_bytes_) return {};
+  const std::uint64_t track = block->content - at;
+  if (track >= bytes.size() || (bytes[track] != kTrackOfPixels && bytes[track] != kTrackOfFacts)) return {};
+  return block;
+}
+
+Result<ClusterScan::Place> ClusterScan::find_mark() {
+  constexpr std::size_t kOverlap = std::max({kCluster.size(), kDocType.size(), kMostHead}) - 1;
+  const std::uint64_t file_end = TRY(file_.size());
   std::vector<std::byte> part(64 << 10);
   for (std::uint64_t at = at_;; at += part.size() - kOverlap) {
     const std::size_t known = TRY(file_.read_at(at, part));
-    const auto end = part.begin() + static_cast<std::ptrdiff_t>(known);
-    const auto found = std::search(part.begin(), end, kCluster.begin(), kCluster.end());
+    const auto bytes = std::span<const std::byte>(part).first(known);
+    const auto cluster = std::search(bytes.begin(), bytes.end(), kCluster.begin(), kCluster.end());
     const auto first =
-        part.begin() + static_cast<std::ptrdiff_t>(at < kOwnHead ? std::min(kOwnHead, known) : 0);
-    const auto place = [&](auto there) { return at + static_cast<std::uint64_t>(there - part.begin()); };
-    const auto other = std::search(std::min(first, found), found, kDocType.begin(), kDocType.end());
-    if (other != found) return Place{place(other), Mark::OtherFile};
-    if (found != end) return Place{place(found), Mark::Cluster};
-    if (known < part.size()) return Place{place(end), Mark::End};
+        bytes.begin() + static_cast<std::ptrdiff_t>(at < kOwnHead ? std::min(kOwnHead, known) : 0);
+    const auto other = std::search(std::min(first, cluster), cluster, kDocType.begin(), kDocType.end());
+    const auto offset = [&](auto there) { return static_cast<std::size_t>(there - bytes.begin()); };
+    for (std::size_t i = 0; i < offset(other); ++i)
+      if (block_in(bytes.subspan(i), at + i, file_end)) return Place{at + i, Mark::Frame};
+    if (other != cluster) return Place{at + offset(other), Mark::OtherFile};
+    if (cluster != bytes.end()) return Place{at + offset(cluster), Mark::Frame};
+    if (known < part.size()) return Place{at + known, Mark::End};
   }
 }
 
-// Whether the block is one of our two tracks. A picture whose facts are missing gives way to the next one.
+// Whether the block is there as a whole. A picture whose facts are missing gives way to the next one.
 Result<bool> ClusterScan::take_block(const Element& block, FoundCluster& found) {
-  if (block.size < matroska::kBlockHead || block.size > most_bytes_) return false;
   std::vector<std::byte> bytes(block.size);
   if (TRY(file_.read_at(block.content, bytes)) != bytes.size()) return false;
-  behind_ = block.content + block.size;                      // not of its group, whose size may be damaged
-  const auto track = std::to_integer<int>(bytes[0]) - 0x81;  // numbered from 1; 0x80 marks the length
   const auto content = std::span(bytes).subspan(matroska::kBlockHead);
   const auto* begin = reinterpret_cast<const std::uint8_t*>(content.data());
-  if (track == matroska::kPixelTrack) return found.picture.assign(begin, begin + content.size()), true;
-  if (track == matroska::kFactsTrack) return found.facts.assign(begin, begin + content.size()), true;
-  return false;
+  const bool is_picture = bytes[0] == kTrackOfPixels;
+  if (is_picture) found.picture.assign(begin, begin + content.size());
+  if (!is_picture) found.facts.assign(begin, begin + content.size());
+  if (is_picture || found.picture.empty()) at_ = behind_ + 1;
+  behind_ = block.content + block.size;  // not of its group, whose size may be damaged
+  return true;
 }
 
 // Whether a cluster begins there. Its own size, in one to eight bytes, is not needed.
@@ -98,23 +120,19 @@ Result<bool> ClusterScan::enter_cluster() {
 // Whether what stands there can be part of a frame.
 Result<bool> ClusterScan::step(std::uint64_t end, FoundCluster& found) {
   if (TRY(enter_cluster())) return true;
-  std::optional<Element> element = TRY(element_at(behind_, end));
-  if (!element) return false;
-  if (std::ranges::find(kBesideBlocks, element->id) != std::end(kBesideBlocks))
-    return behind_ = element->content + element->size, true;
-  if (element->id == kBlockGroup) {
-    element = TRY(element_at(element->content, element->content + element->size));
-    if (!element || element->id != kBlock) return false;
-  } else if (element->id != kSimpleBlock) {
-    return false;
-  }
-  return take_block(*element, found);
+  std::array<std::byte, kMostHead> head{};
+  const std::size_t known = TRY(file_.read_at(behind_, head));
+  const auto bytes = std::span<const std::byte>(head).first(known);
+  if (const auto block = block_in(bytes, behind_, end)) return take_block(*block, found);
+  const auto element = element_in(bytes, behind_, end);
+  if (!element || std::ranges::find(kBesideBlocks, element->id) == std::end(kBesideBlocks)) return false;
+  return behind_ = element->content + element->size, true;
 }
 
 Result<std::optional<FoundCluster>> ClusterScan::next() {
   const std::uint64_t end = TRY(file_.size());
   if (behind_ > at_) {  // not accepted
-    const Place following = TRY(find_identifier());
+    const Place following = TRY(find_mark());
     behind_ = std::min(behind_, following.at);
   }
   for (FoundCluster found; found.facts.empty();) {
@@ -122,17 +140,18 @@ Result<std::optional<FoundCluster>> ClusterScan::next() {
       if (!found.facts.empty()) return std::optional(std::move(found));
       continue;
     }
-    const Place identifier = TRY(find_identifier());
-    if (identifier.mark != Mark::Cluster) break;
-    behind_ = identifier.at;
+    const Place place = TRY(find_mark());
+    if (place.mark != Mark::Frame) break;
+    at_ = place.at + 1;
+    behind_ = place.at;
     found = {};
   }
   return std::optional<FoundCluster>();
 }
 
 Result<std::optional<std::uint64_t>> ClusterScan::other_file() {
-  Place place = TRY(find_identifier());
-  for (; place.mark == Mark::Cluster; place = TRY(find_identifier())) at_ = place.at + kCluster.size();
+  Place place = TRY(find_mark());
+  for (; place.mark == Mark::Frame; place = TRY(find_mark())) at_ = place.at + 1;
   if (place.mark == Mark::End) return std::optional<std::uint64_t>();
   std::array<std::byte, kOwnHead> head{};  // of that file, before its type
   const std::size_t known = std::min(place.at, kOwnHead);

@@ -1,10 +1,11 @@
-// What can be found of a damaged recording: clusters, by their identifier, wherever in the file they begin
-// and whatever the sizes say that enclose them. Nothing is proved here: the checksum over picture and facts
-// does that (facts_json.h). Thread-bound.
+// What can be found of a damaged recording: clusters, by their identifier, and blocks, by their head,
+// wherever in the file they begin and whatever the sizes say that enclose them. Nothing is proved here: the
+// checksum over picture and facts does that (facts_json.h). Thread-bound.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,9 @@ class ClusterScan {
 
   // The next frame: a picture and the facts behind it, in one cluster, or, as other programs write them,
   // among others or on both sides of a cluster's head. nullopt at the end of the file, or where another one
-  // was put behind it: nothing ties its frames to these. What follows a frame that was not accepted counts up
-  // to the next identifier only, and where nothing can be read, the search goes on there: sizes may be
-  // damaged, and lead over other frames. Errors: those of the storage.
+  // was put behind it: nothing ties its frames to these. Where a frame was not accepted, or nothing can be
+  // read, the search goes on at the next cluster or block, be it within what was read: sizes may be damaged,
+  // and lead over other frames. Errors: those of the storage.
   Result<std::optional<FoundCluster>> next();
   // The one found last is what it seems: the search goes on behind it.
   void accept() { at_ = behind_; }
@@ -42,21 +43,25 @@ class ClusterScan {
     std::uint64_t id = 0, size = 0;
     std::uint64_t content = 0;  // where it begins
   };
-  // What stands there: OtherFile: the type of a document that is not this file's.
-  enum class Mark { Cluster, OtherFile, End };
+  // What stands there: Frame: a cluster or a block; OtherFile: the type of a document that is not this
+  // file's.
+  enum class Mark { Frame, OtherFile, End };
   struct Place {
     std::uint64_t at = 0;
     Mark mark = Mark::End;
   };
-  Result<Place> find_identifier();
-  Result<std::optional<Element>> element_at(std::uint64_t at, std::uint64_t end);
+  Result<Place> find_mark();
+  static std::optional<Element> element_in(std::span<const std::byte> bytes, std::uint64_t at,
+                                           std::uint64_t end);
+  std::optional<Element> block_in(std::span<const std::byte> bytes, std::uint64_t at,
+                                  std::uint64_t end) const;
   Result<bool> enter_cluster();
   Result<bool> step(std::uint64_t end, FoundCluster& found);
   Result<bool> take_block(const Element& block, FoundCluster& found);
 
   StorageFile& file_;
   const std::uint64_t most_bytes_;
-  std::uint64_t at_;      // where the search for an identifier goes on
+  std::uint64_t at_;      // where the search for a mark goes on
   std::uint64_t behind_;  // what was read last
 };
 

@@ -1,4 +1,6 @@
 // Recordings as other programs write them again: other clusters, other tracks.
+#include <optional>
+#include <random>
 #include <utility>
 
 #include "hal/recording/recording.h"
@@ -79,6 +81,21 @@ std::string with_facts_in_next_cluster(const std::vector<ClusterBytes>& clusters
   return straddled + facts;
 }
 
+// All frames are read but this one, and the end is found.
+void check_all_but(std::optional<std::size_t> lost, const Recorded& made) {
+  const auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped).value();
+  for (std::size_t place = 0; place < made.frames.size(); ++place) {
+    if (place == lost) continue;
+    const auto frame = value_of(reader->next());
+    REQUIRE(frame);
+    CHECK(sample::same(*frame, made.frames[place]));
+  }
+  CHECK_FALSE(value_of(reader->next()));
+  CHECK(reader->left_out().places ==
+        (lost ? std::vector<std::uint64_t>{*lost} : std::vector<std::uint64_t>{}));
+  CHECK_FALSE(reader->left_out().end_is_missing);
+}
+
 }  // namespace
 
 TEST_CASE("damage costs no other frame, however another program put the frames into clusters") {
@@ -102,16 +119,27 @@ TEST_CASE("damage costs no other frame, however another program put the frames i
   const std::string& picture = clusters[damaged].picture;
   flipped[flipped.find(picture) + picture.size() / 2] ^= 1;
   write_file(made.path, flipped);
-  const auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped).value();
-  for (std::size_t place = 0; place < made.frames.size(); ++place) {
-    if (place == damaged) continue;
-    const auto frame = value_of(reader->next());
-    REQUIRE(frame);
-    CHECK(sample::same(*frame, made.frames[place]));
-  }
-  CHECK_FALSE(value_of(reader->next()));
-  CHECK(reader->left_out().places == std::vector<std::uint64_t>{damaged});
-  CHECK_FALSE(reader->left_out().end_is_missing);
+  check_all_but(damaged, made);
+}
+
+TEST_CASE("bytes put into a cluster of many frames cost no frame but the one that they are in") {
+  const Recorded made("inserted");
+  const std::string bytes = test::text_of(made.path);
+  const std::size_t begin = bytes.find("\x1f\x43\xb6\x75");
+  const auto [clusters, end] = clusters_from(bytes, begin);
+  REQUIRE(clusters.size() == made.frames.size() + 1);
+  std::string spread = bytes.substr(0, begin) + in_one_cluster(clusters, end - begin) + bytes.substr(end);
+  const std::size_t place = GENERATE(range(std::size_t{0}, std::size_t{5}));  // the last: of the end record
+  const bool within = GENERATE(false, true);
+  CAPTURE(place, within);
+  if (within && place == made.frames.size()) return;
+  std::mt19937 random(7);
+  std::string other(200, '\0');
+  for (char& byte : other) byte = static_cast<char>(random());
+  const std::string& picture = clusters[place].picture;
+  spread.insert(spread.find(picture + clusters[place].facts) + (within ? picture.size() / 2 : 0), other);
+  write_file(made.path, spread);
+  check_all_but(within ? std::optional(place) : std::nullopt, made);
 }
 
 TEST_CASE("a recording whose tracks another program put in another order lacks none, and the error says so") {
