@@ -127,6 +127,9 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   TRY(clip.finish());
   if (with_poses) TRY(write_poses(around.storage, options, posed));
   for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);
+  if (frames < static_cast<int>(kFewestClipFrames))
+    remark("warning: a clip has at least {} frames; 'hdrcam import' does not take this one\n",
+           kFewestClipFrames);
   if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
   say("{}: {}\n", options.folder, counted(frames, "frame"));
   return ended;

@@ -252,13 +252,13 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
 
 // The slot of each frame as it follows from the exposures alone.
 std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
-  std::vector<FrameFacts> facts;
-  facts.reserve(frames.size());
-  for (const ClipFrame& frame : frames) facts.push_back(frame.facts), facts.back().slot = -1;
-  const ExposureCycle cycle = find_exposure_cycle(facts);
+  const auto unstated = [](FrameFacts facts) { return facts.slot = -1, facts; };
+  ExposureCycleSearch search;
+  for (const ClipFrame& frame : frames) search.add(unstated(frame.facts));
+  const ExposureCycle cycle = search.cycle();
   std::vector<int> slots;
-  slots.reserve(facts.size());
-  for (const FrameFacts& frame : facts) slots.push_back(slot_of(cycle, facts.front(), frame));
+  slots.reserve(frames.size());
+  for (const ClipFrame& frame : frames) slots.push_back(slot_of(cycle, frames.front().facts, frame.facts));
   return slots;
 }
 
@@ -295,7 +295,7 @@ Result<Clip> clip_from_json(std::string text, const std::string& path) {
   if (!fields.has("frames") || !fields.at("frames").is_array())
     return fields.wrong("frames", "a list of frames is needed");
   const Json& frames = fields.at("frames");
-  if (frames.size() < 2)
+  if (frames.size() < kFewestClipFrames)
     return Error{ErrorCode::TooShort,
                  fmt::format("'{}' has {}; at least two are needed", path, counted(frames.size(), "frame"))};
   bool slots_are_named = false;

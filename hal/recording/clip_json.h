@@ -2,6 +2,7 @@
 // image that holds its pixels. Every error names the file, the frame and the value. Reentrant.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ struct Clip {
   bool layout_is_named = false;  // otherwise the first image decides between RGB and mono
   std::vector<ClipFrame> frames;
 };
+
+constexpr std::size_t kFewestClipFrames = 2;  // that clip_from_json takes: one alone has no cycle
 
 // path: of the clip.json, for the messages. Slots that no frame states are found from the exposures. Errors:
 // Invalid (no JSON, with line and byte; a key that is missing or wrong), BadExposure, TooShort (below two

@@ -247,6 +247,21 @@ TEST_CASE("export does not call a recording that it cannot read one without pose
   CHECK(ran.output.find("hdrcam replay '" + spaced + "' --preview") != std::string::npos);
 }
 
+TEST_CASE("export of a single frame writes it, and says that it makes no clip that import takes") {
+  const std::string folder = sample::scratch_folder("export_one"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  for (const int count : {1, 2}) {
+    REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, count, 2)).ok());
+    const test::Ran ran = test::ran({"export", path, "-o", folder + "/out", "--force"});
+    CHECK(ran.exit_code == 0);
+    CHECK(std::filesystem::exists(folder + "/out/ldr/0000.png"));
+    const bool warned = ran.output.find("warning: a clip has at least 2 frames") != std::string::npos;
+    CHECK(warned == (count == 1));
+    const auto clip = ImageSequence::open(posix_storage(), folder + "/out");
+    CHECK(clip.ok() == (count > 1));
+  }
+}
+
 TEST_CASE("repair writes the whole frames of a cut or damaged recording, each with its number") {
   const std::string folder = sample::scratch_folder("repair");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
