@@ -14,6 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kBlanks = 1;  // a level
+
 // Of a run with a deadline: what the governor chose.
 Json deadline_of(const RunRecord& record) {
   Json rungs = Json::array();
@@ -42,6 +44,21 @@ Json json_of(const FrameRecord& frame, const RunRecord& run) {
   if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;
+}
+
+// As the last member of the object in `text`. One JSON value of all frames would take more memory than their
+// records and their text together.
+void add_frames(const RunRecord& record, std::string& text) {
+  text.resize(text.rfind("\n}"));
+  text += ",\n \"per_frame\": [";
+  for (const FrameRecord& frame : record.frames) {
+    text += &frame == &record.frames.front() ? "\n  " : ",\n  ";
+    for (const char c : json_text(json_of(frame, record), kBlanks)) {
+      text += c;
+      if (c == '\n') text += "  ";
+    }
+  }
+  text += record.frames.empty() ? "]\n}" : "\n ]\n}";
 }
 
 Json stages_of(const RunRecord& record) {
@@ -126,9 +143,9 @@ std::string to_json(const RunRecord& record) {
   if (record.response) json["response"] = *record.response;
   if (!record.exposures.empty()) json["exposures"] = exposures_of(record);
   json["notes"] = record.notes;
-  Json& frames = json["per_frame"] = Json::array();
-  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, record));
-  return json_text(json, 1) + '\n';
+  std::string text = json_text(json, kBlanks);
+  add_frames(record, text);
+  return text + '\n';
 }
 
 Result<std::unique_ptr<FrameSink>> create_stats(Storage& storage, const std::string& path) {

@@ -42,6 +42,18 @@ TEST_CASE("the statistics of a run without frames are JSON too") {
   CHECK(nlohmann::json::parse(to_json(RunRecord{}))["frames"] == 0);
 }
 
+TEST_CASE("the statistics are written as JSON of one piece, a line each and a blank a level") {
+  for (const int frames : {0, 1, 5}) {
+    CAPTURE(frames);
+    RunRecord record = test::example_run(frames);
+    record.title = "a { \"name\" }\n}";
+    const std::string text = to_json(record);
+    const auto json = nlohmann::ordered_json::parse(text);
+    CHECK(json["per_frame"].size() == static_cast<std::size_t>(frames));
+    CHECK(text == json.dump(1) + '\n');
+  }
+}
+
 TEST_CASE("the statistics say what each sink cost and what it left out") {
   RunRecord record = test::example_run(4);
   record.sinks = {{.name = "preview", .frames = 3, .left_out = 1, .total_ms = 30, .longest_ms = 14}};
