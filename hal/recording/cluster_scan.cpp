@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <span>
 
 #include "hal/recording/matroska.h"
@@ -36,20 +35,12 @@ std::uint64_t number(std::span<const std::byte> bytes) {
 // `end`. bytes: those from `at` on.
 std::optional<ClusterScan::Element> ClusterScan::element_in(std::span<const std::byte> bytes,
                                                             std::uint64_t at, std::uint64_t end) {
-  const auto length_at = [&](std::size_t i) {
-    return i < bytes.size()
-               ? static_cast<std::size_t>(std::countl_zero(std::to_integer<std::uint8_t>(bytes[i]))) + 1
-               : std::size_t{9};
-  };
-  const std::size_t id_length = length_at(0);
-  if (id_length > 4) return {};
-  const std::size_t size_length = length_at(id_length);
-  if (size_length > 8 || id_length + size_length > bytes.size()) return {};
-  Element element;
-  element.id = number(bytes.first(id_length));
-  element.size =
-      number(bytes.subspan(id_length, size_length)) & ((std::uint64_t{1} << (7 * size_length)) - 1);
-  element.content = at + id_length + size_length;
+  if (bytes.empty()) return {};
+  const std::size_t id_length = matroska::length_by(bytes.front());
+  if (id_length > 4 || id_length > bytes.size()) return {};
+  const auto size = matroska::size_in(bytes.subspan(id_length));
+  if (!size) return {};
+  const Element element{number(bytes.first(id_length)), size->bytes, at + id_length + size->length};
   if (element.content > end || element.size > end - element.content) return {};
   return element;
 }
@@ -110,8 +101,7 @@ Result<bool> ClusterScan::enter_cluster() {
   if (TRY(file_.read_at(behind_, head)) != head.size()) return false;
   if (!std::equal(kCluster.begin(), kCluster.end(), head.begin())) return false;
   at_ = behind_ + kCluster.size();
-  const auto length =
-      static_cast<std::uint64_t>(std::countl_zero(std::to_integer<std::uint8_t>(head.back()))) + 1;
+  const std::size_t length = matroska::length_by(head.back());
   if (length > 8) return false;
   behind_ = at_ + length;
   return true;

@@ -1,9 +1,13 @@
-// Constants shared by the writer and the reader of a recording (docs/recording.md).
+// What the writer, the reader and the search of a recording share of its container (docs/recording.md).
+// Reentrant.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 namespace hdrcam::matroska {
 
@@ -12,5 +16,27 @@ inline constexpr std::array kFileHead{std::byte{0x1a}, std::byte{0x45}, std::byt
 inline constexpr const char* kCameraTag = "HDRCAM_CAMERA";
 inline constexpr int kPixelTrack = 0, kFactsTrack = 1;  // stream indices
 inline constexpr std::uint64_t kBlockHead = 4;          // bytes of a block: track, time (2 bytes), flags
+
+// How many bytes an identifier or a size has that begins with this one: its leading zeros say so.
+inline std::size_t length_by(std::byte first) {
+  return static_cast<std::size_t>(std::countl_zero(std::to_integer<std::uint8_t>(first))) + 1;
+}
+
+struct ElementSize {
+  std::uint64_t bytes = 0;  // of the element's content
+  std::size_t length = 0;   // of the size itself
+};
+
+// The size with which these bytes begin; nullopt for one that goes on behind them, and for an unknown one.
+inline std::optional<ElementSize> size_in(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return {};
+  const std::size_t length = length_by(bytes.front());
+  if (length > 8 || length > bytes.size()) return {};
+  std::uint64_t size = std::to_integer<std::uint64_t>(bytes.front()) & (0xffu >> length);
+  for (const std::byte byte : bytes.subspan(1, length - 1))
+    size = size << 8 | std::to_integer<std::uint64_t>(byte);
+  if (size == (std::uint64_t{1} << (7 * length)) - 1) return {};
+  return ElementSize{size, length};
+}
 
 }  // namespace hdrcam::matroska

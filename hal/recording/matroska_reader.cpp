@@ -3,7 +3,6 @@
 // skipped, the reader then finds the clusters itself (cluster_scan.h).
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <climits>
 #include <utility>
 
@@ -35,26 +34,19 @@ struct Container {
 };
 
 // Where the recording ends if finish() completed, else nullopt: the Segment, the second element of a Matroska
-// file, then has a size, and the file is that long. Element: identifier, size (first byte: its length in
-// leading zeros), content.
+// file, then has a size, and the file is that long. Element: identifier, size, content.
 Result<std::optional<std::uint64_t>> end_of_whole(StorageFile& file) {
+  constexpr std::uint64_t kIdentifier = 4;  // bytes, of both elements
   constexpr std::optional<std::uint64_t> kCut;
   const std::uint64_t file_size = TRY(file.size());
   std::array<std::byte, 64> head{};
-  const std::size_t known = TRY(file.read_at(0, head));
+  const std::uint64_t known = TRY(file.read_at(0, head));
   std::uint64_t at = 0;
   for (int element = 0; element < 2; ++element) {
-    at += 4;  // the identifiers of both elements have four bytes
-    if (at >= known) return kCut;
-    const int length = std::countl_zero(std::to_integer<std::uint8_t>(head[at])) + 1;
-    if (length > 8 || at + static_cast<std::uint64_t>(length) > known) return kCut;
-    std::uint64_t size = std::to_integer<std::uint64_t>(head[at]) & (0xffu >> length);
-    for (int i = 1; i < length; ++i)
-      size = size << 8 | std::to_integer<std::uint64_t>(head[at + static_cast<std::uint64_t>(i)]);
-    at += static_cast<std::uint64_t>(length);
-    const bool unknown = size == (std::uint64_t{1} << (7 * length)) - 1;
-    if (unknown || size > file_size || at + size > file_size) return kCut;
-    at += size;
+    at = std::min(at + kIdentifier, known);
+    const auto size = matroska::size_in(std::span<const std::byte>(head).subspan(at, known - at));
+    if (!size || size->bytes > file_size || at + size->length + size->bytes > file_size) return kCut;
+    at += size->length + size->bytes;
   }
   return std::optional(at);
 }
