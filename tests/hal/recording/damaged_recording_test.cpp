@@ -205,6 +205,28 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
   }
 }
 
+namespace {
+
+// All frames that the reader still has; an error fails the test.
+std::vector<RawFrame> rest_of(RecordingReader& reader) {
+  std::vector<RawFrame> read;
+  for (;;) {
+    auto frame = reader.next();
+    INFO(sample::error_of(frame).message);
+    REQUIRE(frame.ok());
+    if (!frame.value()) return read;
+    read.push_back(std::move(**frame));
+  }
+}
+
+// Where the clusters of a recording begin.
+std::vector<std::size_t> clusters_in(const std::string& bytes) {
+  std::vector<std::size_t> clusters;
+  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
+    clusters.push_back(at);
+  return clusters;
+}
+
 // Which frames of `whole` were read, by their places; a frame that is none of them fails the test.
 std::vector<std::size_t> places_of(const std::vector<RawFrame>& read, const std::vector<RawFrame>& whole) {
   std::vector<std::size_t> places;
@@ -216,6 +238,8 @@ std::vector<std::size_t> places_of(const std::vector<RawFrame>& read, const std:
   }
   return places;
 }
+
+}  // namespace
 
 TEST_CASE("behind a flipped bit all other frames are read, and the damaged one is named by its number") {
   const Sample made = small_recording("salvage", PixelLayout::Mono);
@@ -231,15 +255,7 @@ TEST_CASE("behind a flipped bit all other frames are read, and the damaged one i
     auto reader = open_recording(disk, made.path, Damage::IsSkipped);
     INFO("bit " << bit << " of byte " << bit / 8 << ", the first frame at byte " << first_cluster);
     REQUIRE(reader.ok());
-    std::vector<RawFrame> read;
-    for (;;) {
-      auto frame = reader.value()->next();
-      if (!frame) INFO(sample::error_of(frame).message);
-      REQUIRE(frame.ok());
-      if (!frame.value()) break;
-      read.push_back(std::move(**frame));
-    }
-    const auto places = places_of(read, made.frames);
+    const auto places = places_of(rest_of(*reader.value()), made.frames);
     REQUIRE(std::is_sorted(places.begin(), places.end()));
     REQUIRE(places.size() + 1 >= made.frames.size());
     const LeftOut& left_out = reader.value()->left_out();
@@ -256,9 +272,7 @@ TEST_CASE("behind a flipped bit all other frames are read, and the damaged one i
 TEST_CASE("a hole in a recording costs the frames that were in it") {
   const Sample made = small_recording("hole");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
-  std::vector<std::size_t> clusters;
-  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
-    clusters.push_back(at);
+  const std::vector<std::size_t> clusters = clusters_in(bytes);
   REQUIRE(clusters.size() >= 5);
   std::string holed = bytes;
   const std::size_t begin = clusters[1] + 40, end = clusters[2] + 60;
@@ -271,14 +285,7 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
   write_file(made.path, holed);
   auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
   REQUIRE(reader.ok());
-  std::vector<RawFrame> read;
-  for (;;) {
-    auto frame = reader.value()->next();
-    REQUIRE(frame.ok());
-    if (!frame.value()) break;
-    read.push_back(std::move(**frame));
-  }
-  CHECK(places_of(read, made.frames) == std::vector<std::size_t>{0, 3});
+  CHECK(places_of(rest_of(*reader.value()), made.frames) == std::vector<std::size_t>{0, 3});
   CHECK(reader.value()->left_out().count == 2);
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
 }
@@ -286,9 +293,7 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
 TEST_CASE("where the end of a recording is overwritten nobody says that no frame is lost") {
   const Sample made = small_recording("blank_end");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
-  std::vector<std::size_t> clusters;
-  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
-    clusters.push_back(at);
+  const std::vector<std::size_t> clusters = clusters_in(bytes);
   REQUIRE(clusters.size() == 5);               // four frames and the end record
   const bool besides = GENERATE(false, true);  // frame 1 is damaged, too
   CAPTURE(besides);
@@ -299,13 +304,7 @@ TEST_CASE("where the end of a recording is overwritten nobody says that no frame
   auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
   REQUIRE(reader.ok());
   CHECK_FALSE(reader.value()->frame_count());
-  int read = 0;
-  for (;; ++read) {
-    const auto frame = reader.value()->next();
-    REQUIRE(frame.ok());
-    if (!frame.value()) break;
-  }
-  CHECK(read == (besides ? 2 : 3));
+  CHECK(rest_of(*reader.value()).size() == (besides ? 2 : 3));
   const LeftOut& left_out = reader.value()->left_out();
   CHECK(left_out.count == (besides ? 1 : 0));
   CHECK(left_out.sentence().find("frames may be lost at the end") != std::string::npos);
@@ -316,9 +315,7 @@ TEST_CASE("where a recording was cut and is damaged besides nobody says so eithe
   const Sample made = small_recording("cut_and_damaged");
   std::string bytes = read_whole(posix_storage(), made.path).value();
   bytes[bytes.find("\"index\":1") + 8] = '0';  // the frame behind it is cut, too: nothing proves the loss
-  std::size_t cluster = 0;                     // the third
-  for (int i = 0; i < 3; ++i) cluster = bytes.find("\x1f\x43\xb6\x75", cluster + 1);
-  write_file(made.path, bytes.substr(0, cluster + 40));
+  write_file(made.path, bytes.substr(0, clusters_in(bytes)[2] + 40));
   auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
   REQUIRE(reader.ok());
   REQUIRE(value_of(reader.value()->next()).has_value());
@@ -331,19 +328,12 @@ TEST_CASE("where a recording was cut and is damaged besides nobody says so eithe
 TEST_CASE("frames of another recording that was put behind a cut one are none of its frames") {
   const Sample made = small_recording("spliced"), other = small_recording("spliced_other");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
-  std::size_t cluster = 0;  // the third
-  for (int i = 0; i < 3; ++i) cluster = bytes.find("\x1f\x43\xb6\x75", cluster + 1);
-  REQUIRE(cluster != std::string::npos);
-  write_file(made.path, bytes.substr(0, cluster + 40) + read_whole(posix_storage(), other.path).value());
+  const std::vector<std::size_t> clusters = clusters_in(bytes);
+  REQUIRE(clusters.size() > 2);
+  write_file(made.path, bytes.substr(0, clusters[2] + 40) + read_whole(posix_storage(), other.path).value());
   auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
   REQUIRE(reader.ok());
-  int read = 0;
-  for (;; ++read) {
-    const auto frame = reader.value()->next();
-    REQUIRE(frame.ok());
-    if (!frame.value()) break;
-  }
-  CHECK(read == 2);
+  CHECK(rest_of(*reader.value()).size() == 2);
   const LeftOut& left_out = reader.value()->left_out();
   CHECK(left_out.count == 0);  // the end record of the other one does not count them
   CHECK(left_out.sentence().find("frames may be lost at the end") != std::string::npos);
@@ -412,13 +402,7 @@ TEST_CASE("a frame whose number or time runs backwards is damage, proved checksu
   CHECK(strict.error->message.find("frame 2: its time") != std::string::npos);
   auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
   REQUIRE(reader.ok());
-  int read = 0;
-  for (;; ++read) {
-    auto frame = reader.value()->next();
-    REQUIRE(frame.ok());
-    if (!frame.value()) break;
-  }
-  CHECK(read == 3);
+  CHECK(rest_of(*reader.value()).size() == 3);
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{2});
 }
 
