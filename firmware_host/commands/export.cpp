@@ -2,6 +2,7 @@
 // poses that it states, in the files of reconstruction tools too.
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
@@ -59,23 +60,20 @@ Result<void> check_files(Storage& storage, const ExportOptions& options) {
   return options.kept.check(storage, {{"the recording that is read", options.recording}}, outputs);
 }
 
-PosedClip begun(const CameraFacts& camera) {
+PosedClip posed_clip_of(const CameraFacts& camera) {
   PosedClip clip;
   clip.width = camera.width, clip.height = camera.height;
   clip.lens = camera.intrinsics.value_or(Intrinsics{});
   return clip;
 }
 
-void add(const FrameFacts& facts, const std::string& path, Instant start, PosedClip& clip) {
-  if (!facts.T_world_camera) {
+// path: of the picture
+void add_frame(const FrameFacts& facts, std::string path, Instant start, PosedClip& clip) {
+  if (!facts.T_world_camera)
     ++clip.left_out;
-    return;
-  }
-  clip.pictures.push_back({.path = path,
-                           .depth_path = "",
-                           .time_s = to_seconds(facts.timestamp - start),
-                           .T_world_camera = transform_of(*facts.T_world_camera)});
-  if (facts.has_exposure_time()) clip.pictures.back().exposure_s = facts.exposure_s;
+  else
+    clip.pictures.push_back(
+        posed_picture(std::move(path), facts, start, transform_of(*facts.T_world_camera)));
 }
 
 Result<void> write_poses(Storage& storage, const ExportOptions& options, const PosedClip& clip) {
@@ -104,7 +102,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   const EarlierFrames earlier(around.storage, options.pictures());
   auto clip =
       TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera(), Creation::Replace));
-  PosedClip posed = begun(reader->camera());
+  PosedClip posed = posed_clip_of(reader->camera());
   std::optional<Instant> start;
   int frames = 0;
   Result<void> ended;
@@ -118,7 +116,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
     const FrameFacts& facts = (**frame).facts;
     if (!start) start = facts.timestamp;
     TRY(clip.append(**frame));
-    if (with_poses) add(facts, clip.last_path(), *start, posed);
+    if (with_poses) add_frame(facts, clip.last_path(), *start, posed);
   }
   if (frames == 0) {
     TRY(ended);

@@ -45,12 +45,9 @@ class PoseFile : public FrameSink {
     if (!frame.pose) return ++clip_.left_out, Result<void>{};
     if (!std::exchange(begun_, true)) TRY(begin(frame));
     if (frame.pose->lost || clip_.pictures.size() == kMostPictures) return ++clip_.left_out, Result<void>{};
-    PosedPicture picture;
-    picture.path = pictures_.path(frame.facts.sequence);
+    PosedPicture picture =
+        posed_picture(pictures_.path(frame.facts.sequence), frame.facts, *start_, frame.pose->T_world_camera);
     if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
-    picture.time_s = to_seconds(frame.facts.timestamp - *start_);
-    if (frame.facts.has_exposure_time()) picture.exposure_s = frame.facts.exposure_s;
-    picture.T_world_camera = frame.pose->T_world_camera;
     picture.world = frame.pose->world;
     clip_.pictures.push_back(std::move(picture));
     ++worlds_[frame.pose->world].pictures;

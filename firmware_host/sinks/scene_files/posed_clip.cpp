@@ -3,10 +3,21 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace hdrcam {
 
 namespace fs = std::filesystem;
+
+PosedPicture posed_picture(std::string path, const FrameFacts& facts, Instant start,
+                           const RigidTransform& T_world_camera) {
+  PosedPicture picture{.path = std::move(path),
+                       .depth_path = "",
+                       .time_s = to_seconds(facts.timestamp - start),
+                       .T_world_camera = T_world_camera};
+  if (facts.has_exposure_time()) picture.exposure_s = facts.exposure_s;
+  return picture;
+}
 
 std::string path_from(const std::string& folder, const std::string& path) {
   std::error_code failed;

@@ -43,6 +43,10 @@ struct PosedClip {
   LengthUnit length_unit() const { return unit_of(source); }
 };
 
+// With the time and the exposure of its frame. start: of the first frame.
+PosedPicture posed_picture(std::string path, const FrameFacts& facts, Instant start,
+                           const RigidTransform& T_world_camera);
+
 // The path as seen from a folder: "../out/000000.png". Both are relative to the working directory, or
 // absolute.
 std::string path_from(const std::string& folder, const std::string& path);
