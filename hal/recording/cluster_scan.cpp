@@ -81,16 +81,18 @@ Result<ClusterScan::Place> ClusterScan::find_mark() {
   }
 }
 
-// Whether the block is there as a whole. A picture whose facts are missing gives way to the next one.
+// Whether the block is there as a whole and can be part of the frame. Of two pictures the first has lost its
+// facts, or a wrong size, that leads over other frames: they are searched for within it.
 Result<bool> ClusterScan::take_block(const Element& block, FoundCluster& found) {
   std::vector<std::byte> bytes(block.size);
   if (TRY(file_.read_at(block.content, bytes)) != bytes.size()) return false;
   const auto content = std::span(bytes).subspan(matroska::kBlockHead);
   const auto* begin = reinterpret_cast<const std::uint8_t*>(content.data());
-  const bool is_picture = bytes[0] == kTrackOfPixels;
+  const bool is_picture = bytes[0] == kTrackOfPixels, is_second = !found.picture.empty();
+  if (is_picture && is_second) return false;
   if (is_picture) found.picture.assign(begin, begin + content.size());
   if (!is_picture) found.facts.assign(begin, begin + content.size());
-  if (is_picture || found.picture.empty()) at_ = behind_ + 1;
+  if (!is_second) at_ = behind_ + 1;
   behind_ = block.content + block.size;  // not of its group, whose size may be damaged
   return true;
 }
@@ -100,10 +102,9 @@ Result<bool> ClusterScan::enter_cluster() {
   std::array<std::byte, kCluster.size() + 1> head{};
   if (TRY(file_.read_at(behind_, head)) != head.size()) return false;
   if (!std::equal(kCluster.begin(), kCluster.end(), head.begin())) return false;
-  at_ = behind_ + kCluster.size();
   const std::size_t length = matroska::length_by(head.back());
   if (length > 8) return false;
-  behind_ = at_ + length;
+  behind_ += kCluster.size() + length;
   return true;
 }
 

@@ -290,6 +290,28 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
 }
 
+TEST_CASE("a damaged size that leads right to a later frame costs no frame between") {
+  const Sample made = small_recording("overlong");
+  std::string bytes = read_whole(posix_storage(), made.path).value();
+  const std::vector<std::size_t> clusters = clusters_in(bytes);
+  REQUIRE(clusters.size() > 3);
+  const auto byte = [&](std::size_t at) { return std::size_t{static_cast<std::uint8_t>(bytes[at])}; };
+  std::size_t block = clusters[1] + 4;    // behind the cluster's identifier
+  block += byte(block) >= 0x80 ? 1 : 2;   // its size
+  block += 6;                             // its checksum
+  block += 2 + (byte(block + 1) & 0x7f);  // its time
+  REQUIRE(byte(block) == 0xa3);
+  REQUIRE((byte(block + 1) & 0xc0) == 0x40);  // a size of two bytes
+  const std::size_t size = clusters[3] - (block + 3);
+  bytes[block + 1] = static_cast<char>(0x40 | size >> 8);
+  bytes[block + 2] = static_cast<char>(size & 0xff);
+  write_file(made.path, bytes);
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  CHECK(places_of(rest_of(*reader.value()), made.frames) == std::vector<std::size_t>{0, 2, 3});
+  CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1});
+}
+
 TEST_CASE("where the end of a recording is overwritten nobody says that no frame is lost") {
   const Sample made = small_recording("blank_end");
   const std::string bytes = read_whole(posix_storage(), made.path).value();
