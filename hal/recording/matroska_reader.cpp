@@ -185,6 +185,8 @@ class MatroskaReader : public RecordingReader {
   Advance prove(std::string_view text);
   void begin_search(const std::string& damage);
   Advance search();
+  Result<FactsRecord> proved(const FoundCluster& found) const;
+  Result<bool> stands_too_early(std::uint64_t index) const;
   Advance prove_found(const FoundCluster& found);
   Error corrupt(const std::string& what) const;
   Error ended();
@@ -341,13 +343,38 @@ MatroskaReader::Advance MatroskaReader::search() {
   return std::optional<FrameFacts>();
 }
 
-// A frame; nullopt for one that came before and for the end record; Corrupt for what is neither.
-MatroskaReader::Advance MatroskaReader::prove_found(const FoundCluster& found) {
+// Corrupt where no checksum holds.
+Result<FactsRecord> MatroskaReader::proved(const FoundCluster& found) const {
   if (!seal_holds(found.facts, found.picture)) return corrupt("no checksum holds");
-  const auto record = record_from_json(found.facts, camera_.bits);
+  auto record = record_from_json(found.facts, camera_.bits);
   if (!record) return corrupt(record.error().message);
-  const FactsRecord& read = record.value();
+  return record;
+}
+
+// Whether frames follow that come before the one of this number: its bytes were copied to an earlier place.
+// As many frames are looked at as it would leave out, so that a gap costs no more than the frames lost in it.
+Result<bool> MatroskaReader::stands_too_early(std::uint64_t index) const {
+  ClusterScan ahead = *scan_;
+  for (std::uint64_t looked_at = frames_; looked_at < index;) {
+    const auto found = TRY(ahead.next());
+    if (!found) break;
+    const auto record = proved(*found);
+    if (!record) continue;
+    ahead.accept();
+    const FactsRecord& read = record.value();
+    if (read.index < frames_) continue;
+    if (read.index <= index && !read.is_end) return true;
+    ++looked_at;
+  }
+  return false;
+}
+
+// A frame; nullopt for one that came before or stands too early, and for the end record; Corrupt for what is
+// none of them.
+MatroskaReader::Advance MatroskaReader::prove_found(const FoundCluster& found) {
+  const FactsRecord read = TRY(proved(found));
   scan_->accept();
+  if (TRY(stands_too_early(read.index))) return std::optional<FrameFacts>();
   leave_out(frames_, read.index, left_out_.reason);
   if (read.is_end) return scan_found_end_ = true, std::optional<FrameFacts>();
   if (read.index < frames_) return std::optional<FrameFacts>();

@@ -1,4 +1,5 @@
 // Every way in which a file can be damaged: cut, flipped, not written to the end, never one of ours.
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <utility>
@@ -310,6 +311,27 @@ TEST_CASE("a damaged size that leads right to a later frame costs no frame betwe
   REQUIRE(reader.ok());
   CHECK(places_of(rest_of(*reader.value()), made.frames) == std::vector<std::size_t>{0, 2, 3});
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1});
+}
+
+TEST_CASE("bytes of later frames that stand at an earlier place, too, cost no other frame") {
+  const Sample made = small_recording("copied");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  std::vector<std::size_t> places = clusters_in(bytes);
+  REQUIRE(places.size() == 5);                                      // four frames and the end record
+  places.push_back(bytes.find("\x1c\x53\xbb\x6b", places.back()));  // the index
+  struct Run {
+    std::size_t first, behind, before;  // clusters
+  };
+  const Run run = GENERATE(Run{3, 4, 1}, Run{2, 4, 0}, Run{4, 5, 1});  // the last: the end record
+  CAPTURE(run.first, run.before);
+  std::string copied = bytes;
+  copied.insert(places[run.before], bytes.substr(places[run.first], places[run.behind] - places[run.first]));
+  write_file(made.path, copied);
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  CHECK(places_of(rest_of(*reader.value()), made.frames) == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(reader.value()->left_out().count == 0);
+  CHECK_FALSE(reader.value()->left_out().end_is_missing);
 }
 
 TEST_CASE("where the end of a recording is overwritten nobody says that no frame is lost") {
