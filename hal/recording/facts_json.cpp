@@ -92,6 +92,19 @@ FrameFacts facts_of(const Json& json, int bits) {
   return facts;
 }
 
+// read: takes values out of JSON, which throws where one is missing or of another kind. what: begins the
+// message then.
+template <class Read>
+auto read_as(const char* what, const Read& read) -> decltype(read()) {
+  try {
+    return read();
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("{} cannot be read: {}", what, json_reason(e))};
+  } catch (const std::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("{} cannot be read: {}", what, e.what())};
+  }
+}
+
 }  // namespace
 
 std::string to_json(const CameraFacts& camera, RecordingCodec codec) {
@@ -133,7 +146,7 @@ std::string end_record_json(std::uint64_t frames) {
 }
 
 Result<CameraFacts> camera_from_json(std::string_view text) {
-  try {
+  return read_as("the camera facts", [&]() -> Result<CameraFacts> {
     const Json json = parsed(text);
     if (json.at("format") != kFormat)
       return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
@@ -146,15 +159,11 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
     if (!layout) return Error{ErrorCode::Corrupt, "the camera facts name an unknown pixel layout"};
     camera.layout = *layout;
     return camera;
-  } catch (const Json::exception& e) {
-    return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", json_reason(e))};
-  } catch (const std::exception& e) {
-    return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", e.what())};
-  }
+  });
 }
 
 Result<FactsRecord> record_from_json(std::string_view text, int bits) {
-  try {
+  return read_as("the facts of a frame", [&]() -> Result<FactsRecord> {
     const Json json = parsed(text);
     if (json.contains("end")) return FactsRecord{true, whole<std::uint64_t>(json.at("frames")), {}};
     FactsRecord record{false, whole<std::uint64_t>(json.at("index")), facts_of(json, bits)};
@@ -167,11 +176,7 @@ Result<FactsRecord> record_from_json(std::string_view text, int bits) {
         return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown verdict on its exposure"};
     }
     return record;
-  } catch (const Json::exception& e) {
-    return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", json_reason(e))};
-  } catch (const std::exception& e) {
-    return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", e.what())};
-  }
+  });
 }
 
 std::optional<PixelLayout> layout_named(std::string_view wanted) {
