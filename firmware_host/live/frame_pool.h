@@ -1,7 +1,8 @@
 // A fixed number of captured frames, shared between the recorder and the fit without a copy. It alone bounds
 // the memory of a live run: when all frames are held, the newest frame is dropped, counted, and flagged on
-// the next one. The frame returned last is reused first, so that a run that keeps up touches little memory
-// for any size of the pool. Thread-safe; the pool outlives its frames.
+// the next one. All are allocated at the start, so that a fit that is late for a moment costs no allocation.
+// The frame returned last is reused first, so that a run that keeps up touches little of that memory for any
+// size of the pool. Thread-safe; the pool outlives its frames.
 #pragma once
 
 #include <atomic>
@@ -49,9 +50,13 @@ class FramePool {
     Slot* slot_ = nullptr;
   };
 
-  explicit FramePool(int frames) : slots_(static_cast<std::size_t>(frames)) {
+  // camera: whose pictures the frames hold.
+  explicit FramePool(int frames, const CameraFacts& camera = {}) : slots_(static_cast<std::size_t>(frames)) {
     free_.reserve(slots_.size());
-    for (std::size_t i = slots_.size(); i-- > 0;) slots_[i].pool_ = this, free_.push_back(&slots_[i]);
+    for (std::size_t i = slots_.size(); i-- > 0;) {
+      slots_[i].captured.raw.codes.reshape(channels(camera.layout), camera.height, camera.width);
+      slots_[i].pool_ = this, free_.push_back(&slots_[i]);
+    }
   }
 
   int size() const { return static_cast<int>(slots_.size()); }

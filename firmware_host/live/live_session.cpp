@@ -31,9 +31,10 @@ LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter>
                          const LiveOptions& options)
     : capture_(capture),
       options_(options),
-      pool_(frames_in(options.memory_bytes, capture.facts())),
+      pool_(frames_in(options.memory_bytes, capture.facts()), capture.facts()),
       inbox_(capture.schedule().slots(),
              most_waiting(capture.facts(), pool_.size(), capture.schedule().slots())) {
+  scratch_.raw.codes.reshape(channels(capture.facts().layout), capture.facts().height, capture.facts().width);
   if (recording) recorder_ = recorder_of(std::move(recording), StartedBy::Run);
 }
 

@@ -144,21 +144,5 @@ TEST_CASE("a closed inbox gives what it has and then ends at once") {
   CHECK_FALSE(inbox.take(std::chrono::hours(1)).frame);
 }
 
-TEST_CASE("a frame is free again when its last holder lets go, and is handed out first") {
-  FramePool pool(2);
-  FrameShare first = pool.take();
-  FrameShare second = pool.take();
-  CHECK_FALSE(pool.take());
-  const FramePool::Slot* slot = &*second;
-  {
-    const FrameShare also = second.another();
-    second = {};
-    CHECK_FALSE(pool.take());
-  }
-  const FrameShare again = pool.take();
-  REQUIRE(again);
-  CHECK(&*again == slot);
-}
-
 }  // namespace
 }  // namespace hdrcam
