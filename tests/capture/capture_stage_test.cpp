@@ -398,7 +398,7 @@ TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
   for (int i = 0; i < 120; ++i) {
     if (i == 60) REQUIRE((*stage)->change_cycle(kBrighter).ok());
     REQUIRE((*stage)->next(frame).ok());
-    // Eight requests of the old cycle are under way.
+    // Eight capture requests of the old cycle are queued.
     judge(frame, sensor.truth(), i < 68 ? std::span<const Exposure>(kThree) : kBrighter, tally);
   }
   CAPTURE(describe(tally));

@@ -152,7 +152,7 @@ TEST_CASE("a run ends when its time is up, and when it is told to") {
     Stand stand("still?size=64x48&fps=200");
     std::atomic<bool> stop{false};
     LiveSession session(stand.capture(), nullptr,
-                        {.timeout = told ? Duration(0) : Duration(milliseconds(200))});
+                        {.timeout = told ? Duration(0) : Duration(milliseconds(600))});
     require_done(session.start(stop));
     int frames = 0;
     while (const FrameShare frame = session.next({})) {
