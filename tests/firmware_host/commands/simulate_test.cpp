@@ -196,13 +196,16 @@ TEST_CASE("a simulation that is stopped leaves a whole recording and a whole cli
 TEST_CASE("simulate refuses in a sentence what it cannot do") {
   CHECK(run_simulate("walk").output.find("--truth") != std::string::npos);
   CHECK(run_simulate("").output.find("--list") != std::string::npos);
-  CHECK(run_simulate("walk -o /tmp/x.mkv --shutter 50ms").output.find("does not fit") != std::string::npos);
-  const Ran equal = run_simulate("walk -o /tmp/x.mkv --shutter 4ms,4ms,4ms");
+  const std::string folder = sample::scratch_folder("simulate_refused"), walk = folder + "/walk.mkv";
+  const Ran too_long = run_simulate("walk -o " + walk + " --shutter 50ms");
+  CHECK(too_long.output.find("does not fit") != std::string::npos);
+  const Ran equal = run_simulate("walk -o " + walk + " --shutter 4ms,4ms,4ms");
   CHECK(equal.exit_code == kExitUsage);
   CHECK(equal.output.find("all 3 exposures of the cycle are the same, 4 ms") != std::string::npos);
-  CHECK(run_simulate("--list -o /tmp/x.mkv").exit_code == kExitUsage);
+  CHECK(run_simulate("--list -o " + walk).exit_code == kExitUsage);
   CHECK(run_simulate("nowhere --explain").exit_code == exit_code_of(ErrorCode::NotFound));
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
+  CHECK(std::filesystem::is_empty(folder));
 }
 
 TEST_CASE("the list of scenes heeds --config and --print-config") {

@@ -2,8 +2,6 @@
 
 #include "firmware_host/live/live_report.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -13,6 +11,7 @@
 #include "hal/fault/faulty_storage.h"
 #include "hal/sim/sim_bench.h"
 #include "tests/support/becomes_true.h"
+#include "tests/support/scratch_folder.h"
 
 #include "tests/contracts/expect.h"
 
@@ -51,11 +50,9 @@ class Stand {
   }
   const std::string& path() const { return path_; }
   void remove_recording() const { std::filesystem::remove(path_); }
-  ~Stand() { remove_recording(); }
 
  private:
-  const std::string path_ =
-      std::filesystem::temp_directory_path() / fmt::format("hdrcam_live_{}.mkv", ::getpid());
+  const std::string path_ = test::scratch_folder("live_session") + "/raw.mkv";
   Simulation simulation_;
   SimulatedCamera camera_;
   std::unique_ptr<CaptureStage> capture_;
