@@ -25,7 +25,8 @@ TEST_CASE("a camera replay: without a file is refused with what belongs there, b
   }
 }
 
-TEST_CASE("a flag that a run would ignore is refused, and a file of settings that holds it is not") {
+TEST_CASE(
+    "a flag that a recorded camera would ignore is refused, and a file of settings that holds it is not") {
   const std::string folder = sample::scratch_folder("ignored_flags"), walk = folder + "/walk.mkv";
   require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
   const std::vector<std::string> copy{"record", "--camera", "replay:" + walk, "-o", folder + "/copy.mkv"};
@@ -56,12 +57,29 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   check_refused(
       {"live", "--camera", "replay:" + walk, "--http", "127.0.0.1:0", "--http-record", folder + "/%03d.mkv"},
       ErrorCode::Invalid, "leave out --http-record");
+  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
+
+  require_success(with({"--sync-active-low=false", "--trigger-active-low=false"}));
+  const std::string file = folder + "/rig.toml",
+                    text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  require_success(with({"--config", file, "--force"}));
+}
+
+TEST_CASE("what is asked of a recording is refused of a camera, also of one that a recording plays") {
+  const std::string walk = sample::scratch_folder("ignored_pace") + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
   check_refused({"live", "--camera", "sim:still", "--pace", "realtime"}, ErrorCode::Invalid,
                 "give --camera replay:FILE, or leave out --pace");
   check_refused({"live", "--camera", "sim:still", "--strict"}, ErrorCode::Invalid,
                 "--strict is for a recording");
   check_refused({"live", "--camera", "replay:" + walk, "--pace", "realtime", "--strict"}, ErrorCode::Invalid,
                 "not with --pace realtime");
+}
+
+TEST_CASE("a flag of an output that a run does not have is refused with the output to give") {
+  const std::string folder = sample::scratch_folder("ignored_outputs"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
   const auto unused = [&](const char* flag, const char* value, const char* why) {
     check_refused({"replay", walk, "--stats", folder + "/s.json", flag, value}, ErrorCode::Invalid, why);
   };
@@ -73,33 +91,28 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   unused("--pipe-format", "y4m", "give -o -, or leave out --pipe-format");
   check_refused({"render", walk, "--deadline", "33ms", "-o", folder + "/%06d.exr"}, ErrorCode::Invalid,
                 "--deadline");
+  const std::string page_alone =
+      "this run has no live page; give --http 127.0.0.1:8080, or leave out --http-";
+  unused("--http-token", "abc", page_alone.c_str());
+  for (const auto& [flag, value] :
+       {std::pair<std::string, std::string>("--http-token", "abc"), {"--http-record", folder + "/%03d.mkv"}})
+    check_refused({"live", "--camera", "sim:still", flag, value}, ErrorCode::Invalid, page_alone);
   CHECK_FALSE(std::filesystem::exists(folder + "/s.json"));
+}
+
+TEST_CASE("a flag of a line or a recording that a run does not have is refused with the one to give") {
   const auto alone = [&](const char* flag, const char* value, const char* without) {
     check_refused({"live", "--camera", "sim:still", flag, value}, ErrorCode::Invalid,
                   fmt::format("give {}, or leave out {}", without, flag));
   };
-  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
   alone("--strobe", "exposure", "--sync-line gpiochip0:17");
   alone("--strobe-delay", "1ms", "--sync-line gpiochip0:17");
   alone("--trigger-gap", "2ms", "--trigger-line gpiochip0:17");
   check_refused({"live", "--camera", "sim:still", "--sync-active-low"}, ErrorCode::Invalid,
                 "give --sync-line gpiochip0:17, or leave out --sync-active-low");
-  require_success(with({"--sync-active-low=false", "--trigger-active-low=false"}));
   alone("--record-codec", "ffv1", "--record walk.mkv");
   check_refused({"record", "--camera", "sim:still", "--record-codec", "ffv1"}, ErrorCode::Invalid,
                 "no output file; give -o FILE");
-  const std::string page_alone =
-      "this run has no live page; give --http 127.0.0.1:8080, or leave out --http-";
-  check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
-  check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
-                page_alone);
-  check_refused({"replay", walk, "--stats", folder + "/s.json", "--http-token", "abc"}, ErrorCode::Invalid,
-                page_alone);
-
-  const std::string file = folder + "/rig.toml",
-                    text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
-  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
-  require_success(with({"--config", file, "--force"}));
 }
 
 TEST_CASE("white, peak and transfer are refused where no output has them") {

@@ -134,21 +134,78 @@ TEST_CASE("the gate compares what both know, and takes clipped samples for bound
   }
 }
 
+namespace {
+
+constexpr float ringing_of(bool whole) { return whole ? 0.7f : 0; }
+
+// What is known of one pixel.
+struct UpdatedPixel {
+  float state, variance, share;  // share: of the sample, in the mean of the channels
+};
+// What a frame shows there. whole: nothing gates it or bounds it. starts: it is the first one.
+struct PixelSample {
+  float sample, weight, mean, blur, gate, extra;
+  bool whole, starts;
+
+  float ringing() const { return ringing_of(whole); }
+};
+constexpr float kUnseenFrom = 1, kRelativeNoise2 = 4e-4f, kBlurVariance = 1, kUnknownBlurVariance = 8,
+                kLeastRadiance = 0.2f;
+
+// The update, pixel by pixel: fusion.h has the words for it.
+UpdatedPixel updated(UpdatedPixel pixel, const PixelSample& seen) {
+  const float exposure = tables().exposure();
+  float &s = pixel.state, &v = pixel.variance;
+  const float sure = s + seen.blur - (v < kUnseenFrom ? 2 * std::sqrt(v) : 0);
+  const float clipped = smooth_step(1.25f, 2.5f, sure * exposure);
+  const float weighs = std::max(0.f, seen.weight - 3 * seen.ringing() * clipped * (1 - seen.weight));
+  const bool other =
+      !seen.whole && v >= kUnseenFrom && s * exposure >= 0.98f && seen.sample * exposure < 0.5f;
+  const float guessed = std::max({s, seen.sample, kLeastRadiance});
+  if (!seen.starts && v >= kUnseenFrom && weighs >= 0.05f) v = std::min(v, guessed * guessed);
+  const float blur2 = seen.blur * seen.blur;
+  float doubt = tables().variance(1, seen.mean) + kRelativeNoise2 * seen.mean * seen.mean,
+        taken = seen.sample;
+  if (v < kUnseenFrom) {
+    taken = std::max(0.f, taken - seen.blur * blur2 / (blur2 + v + kTiny));
+    doubt += kBlurVariance * blur2;
+  } else {
+    doubt += kUnknownBlurVariance * blur2;
+  }
+  if (!seen.whole) doubt += seen.extra;
+  const float w = other ? 0 : weighs * (seen.whole ? 1 : seen.gate) / (doubt + kTiny);
+  const float before = 1 / (v + kTiny);
+  if ((v < kUnseenFrom && !other) || w > 1e-5f / (seen.mean * seen.mean + kTiny)) {
+    s = (s * before + taken * w) / (before + w);
+    v = 1 / (before + w);
+    pixel.share += w / (before + w) / 3;
+  } else {
+    s = std::max(s, seen.sample);
+  }
+  return pixel;
+}
+
+}  // namespace
+
 TEST_CASE("the update is the inverse-variance mean, or the larger bound of what nobody knows", "[isa]") {
   Numbers numbers(5);
   for (const int n : kSizes)
     for (const auto& [whole, starts] :
          {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
       const auto size = static_cast<std::size_t>(n);
-      constexpr float kKnown = 1, kRelative2 = 4e-4f, kBlur = 1, kUnknownBlur = 8, kLeast = 0.2f;
-      const float ringing = whole ? 0.7f : 0;
-      Row state = numbers.between(0, starts ? 1 : 6, n), variance = numbers.between(0, 2, n);
+      const Row state = numbers.between(0, starts ? 1 : 6, n), variance = numbers.between(0, 2, n);
       const Row sample = numbers.between(0, 1, n), mean = numbers.between(0.01f, 1, n);
       const Row blur = numbers.between(-0.1f, 0.1f, n), gate = numbers.between(0, 1, n);
       const Row extra = numbers.between(0, 0.1f, n);
       Row weight = numbers.between(-1, 1, n), share(size, 0.1f);
       for (float& w : weight) w = std::max(0.f, w);
-      Row as_state = state, as_variance = variance, as_shared = share, new_state(size), new_variance(size);
+      Row as_state(size), as_variance(size), as_shared(size), new_state(size), new_variance(size);
+      for (std::size_t x = 0; x < size; ++x) {
+        const UpdatedPixel pixel =
+            updated({state[x], variance[x], share[x]},
+                    {sample[x], weight[x], mean[x], blur[x], gate[x], extra[x], whole, starts});
+        as_state[x] = pixel.state, as_variance[x] = pixel.variance, as_shared[x] = pixel.share;
+      }
       fusion_kernels().update({.state = state.data(),
                                .variance = variance.data(),
                                .sample = sample.data(),
@@ -158,46 +215,18 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
                                .gate = whole ? nullptr : gate.data(),
                                .extra = whole ? nullptr : extra.data(),
                                .noise = noise(),
-                               .unseen_from = kKnown,
-                               .relative2 = kRelative2,
-                               .blur_variance = kBlur,
-                               .unknown_blur_variance = kUnknownBlur,
-                               .least = kLeast,
-                               .ringing = ringing,
+                               .unseen_from = kUnseenFrom,
+                               .relative2 = kRelativeNoise2,
+                               .blur_variance = kBlurVariance,
+                               .unknown_blur_variance = kUnknownBlurVariance,
+                               .least = kLeastRadiance,
+                               .ringing = ringing_of(whole),
                                .bounded = !whole,
                                .starts = starts,
                                .new_state = new_state.data(),
                                .new_variance = new_variance.data(),
                                .share = share.data()},
                               n);
-      for (std::size_t x = 0; x < size; ++x) {
-        float &s = as_state[x], &v = as_variance[x];
-        const float sure = s + blur[x] - (v < kKnown ? 2 * std::sqrt(v) : 0);
-        const float clipped = smooth_step(1.25f, 2.5f, sure * tables().exposure());
-        float weighs = std::max(0.f, weight[x] - 3 * ringing * clipped * (1 - weight[x]));
-        const float exposure = tables().exposure();
-        const bool other = !whole && v >= kKnown && s * exposure >= 0.98f && sample[x] * exposure < 0.5f;
-        const float guessed = std::max({s, sample[x], kLeast});
-        if (!starts && v >= kKnown && weighs >= 0.05f) v = std::min(v, guessed * guessed);
-        const float blur2 = blur[x] * blur[x];
-        float doubt = tables().variance(1, mean[x]) + kRelative2 * mean[x] * mean[x], taken = sample[x];
-        if (v < kKnown) {
-          taken = std::max(0.f, taken - blur[x] * blur2 / (blur2 + v + kTiny));
-          doubt += kBlur * blur2;
-        } else {
-          doubt += kUnknownBlur * blur2;
-        }
-        if (!whole) doubt += extra[x];
-        const float w = other ? 0 : weighs * (whole ? 1 : gate[x]) / (doubt + kTiny),
-                    before = 1 / (v + kTiny);
-        if ((v < kKnown && !other) || w > 1e-5f / (mean[x] * mean[x] + kTiny)) {
-          s = (s * before + taken * w) / (before + w);
-          v = 1 / (before + w);
-          as_shared[x] += w / (before + w) / 3;
-        } else {
-          s = std::max(s, sample[x]);
-        }
-      }
       require_near(new_state, as_state, 1e-4f);
       require_near(new_variance, as_variance, 1e-4f);
       require_near(share, as_shared, 1e-4f);
