@@ -7,6 +7,7 @@
 
 #include "hal/sim/counter_random.h"
 #include "tests/online/exposure/estimate_of.h"
+#include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
@@ -39,8 +40,6 @@ class Loop {
       reference_ *= std::pow(exposure.product(), 1.0 / static_cast<double>(limits.cycle.size()));
     frame_.codes = Image<float>(3, kRows, kCols);
     state_.radiance = Image<float>(3, kRows, kCols), state_.variance = Image<float>(3, kRows, kCols);
-    flow_.vectors = Image<float>(2, kRows, kCols), flow_.confidence = Image<float>(1, kRows, kCols);
-    flow_.confidence.fill(1);
   }
 
   // Runs so many frames. Returns how often the cycle changed.
@@ -77,9 +76,8 @@ class Loop {
               pattern_.brightness * (1 + pattern_.contrast * wave) + noise * random.normals(pixel).a;
           state_.variance.at(c, y, x) = noise * noise;
         }
-    for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kCols; ++x) flow_.vectors.at(0, y, x) = -pattern_.speed_px;
-    const FrameEstimate estimate = test::estimate_of(frame_, state_, flow_, nullptr, reference_);
+    const FlowField flow = test::uniform_flow(kRows, kCols, -pattern_.speed_px);
+    const FrameEstimate estimate = test::estimate_of(frame_, state_, flow, nullptr, reference_);
     ++frames_;
     auto request = choice_.observe(estimate, {response_, noise_, 1});
     if (request && !refuses_) choice_.runs(*request);
@@ -97,7 +95,6 @@ class Loop {
   bool refuses_ = false;
   ExposedFrame frame_;
   RadianceState state_;
-  FlowField flow_;
   std::optional<CycleRequest> request_;
   std::vector<Exposure> last_;
 };

@@ -10,6 +10,7 @@
 #include "hal/sim/counter_random.h"
 #include "online/pictures/between_pixels.h"
 #include "tests/online/exposure/estimate_of.h"
+#include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
@@ -33,8 +34,7 @@ double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwa
   RadianceState state;
   state.radiance = Image<float>(3, kRows, kCols), state.variance = Image<float>(3, kRows, kCols);
   state.variance.fill(waves.noise * waves.noise);
-  FlowField flow{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
-  flow.confidence.fill(1);
+  const FlowField flow = test::uniform_flow(kRows, kCols, -kStep);
   Image<float> to_next(2, kRows, kCols);
   const CounterRandom random(1, 2, 3);
   for (int y = 0; y < kRows; ++y)
@@ -43,7 +43,6 @@ double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwa
       const auto pixel = static_cast<std::uint64_t>(y * kCols + x);
       for (int c = 0; c < 3; ++c)
         state.radiance.at(c, y, x) = 0.2f + 0.1f * wave + waves.noise * random.normals(pixel * 6 + 2 * c).a;
-      flow.vectors.at(0, y, x) = -kStep;
       const Offset next = onwards ? onwards(y) : Offset{};
       to_next.at(0, y, x) = next.x, to_next.at(1, y, x) = next.y;
     }

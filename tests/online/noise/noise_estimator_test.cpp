@@ -6,6 +6,7 @@
 #include "capture/to_exposed_frame.h"
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
@@ -17,8 +18,7 @@ namespace {
 NoiseModel found_in(const test::MovingScene& scene, const Response& response,
                     const std::optional<NoiseModel>& seen = std::nullopt) {
   WorkerPool pool(2);
-  FlowField still{Image<float>(2, scene.rows, scene.cols), Image<float>(1, scene.rows, scene.cols)};
-  still.confidence.fill(1);
+  const FlowField still = test::uniform_flow(scene.rows, scene.cols);
   ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
   NoiseEstimator estimator(pool);
@@ -94,8 +94,7 @@ TEST_CASE("after a change of gain the noise is that of the new frames, as soon a
   constexpr float kFullWell = 1000, kReadNoise = 4, kGain = 16;  // electrons at the gain of the first frames
   constexpr int kRows = 64, kStrips = 14, kStripCols = 16;       // half a stop apart
   const Response response = Response::gamma(2.2f);
-  FlowField still{Image<float>(2, kRows, kStrips * kStripCols), Image<float>(1, kRows, kStrips * kStripCols)};
-  still.confidence.fill(1);
+  const FlowField still = test::uniform_flow(kRows, kStrips * kStripCols);
   WorkerPool pool(2);
   std::uint64_t key = 0;
   int index = 0;

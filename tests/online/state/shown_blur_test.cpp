@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/uniform_flow.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -24,15 +26,12 @@ const ExposureTables& tables() {
 struct Moving {
   RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
                       Image<float>(1, kRows, kCols)};
-  FlowField motion{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
+  FlowField motion = test::uniform_flow(kRows, kCols, kShiftX, kShiftY);
   ExposedFrame frame;
   WorkerPool pool;
 
   explicit Moving(double exposure_s, int threads = 1) : pool(threads) {
     state.variance.fill(1e-8f);
-    motion.confidence.fill(1);
-    std::fill_n(motion.vectors.plane(0), motion.vectors.plane_size(), kShiftX);
-    std::fill_n(motion.vectors.plane(1), motion.vectors.plane_size(), kShiftY);
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < kRows; ++y)
         for (int x = 0; x < kCols; ++x)

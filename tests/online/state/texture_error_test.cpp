@@ -5,6 +5,7 @@
 
 #include "online/pictures/local_statistics.h"
 #include "online/state/fusion.h"
+#include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
@@ -27,14 +28,13 @@ const ExposureTables& tables() {
 struct Texture {
   RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
                       Image<float>(1, kRows, kCols)};
-  FlowField motion{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
+  static constexpr int kShift = 2;
+  FlowField motion = test::uniform_flow(kRows, kCols, kShift);
   ExposedFrame frame;
   WorkerPool pool{1};
 
   explicit Texture(float amplitude) {
-    constexpr int kShift = 2;
     state.variance.fill(1e-8f);
-    motion.confidence.fill(1);
     frame.codes = Image<float>(3, kRows, kCols);
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < kRows; ++y)
@@ -42,7 +42,6 @@ struct Texture {
           state.radiance.at(c, y, x) = light(amplitude, c, y, x);
           frame.codes.at(c, y, x) = std::round(tables().code(c, light(amplitude, c, y, x + kShift)));
         }
-    std::fill_n(motion.vectors.plane(0), motion.vectors.plane_size(), static_cast<float>(kShift));
   }
   static float light(float amplitude, int c, int y, int x) {
     return 0.2f + amplitude * static_cast<float>(std::sin(1.3 * x + c) * std::sin(1.1 * y));

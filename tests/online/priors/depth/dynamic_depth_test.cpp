@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tests/online/priors/pose/synthetic_scene.h"
+#include "tests/support/uniform_flow.h"
 
 using namespace hdrcam;
 using namespace hdrcam::test;
@@ -47,12 +48,7 @@ struct Completed {
   }
 };
 
-FlowField at_rest() {
-  FlowField flow{Image<float>(2, kRows * kStep, kCols * kStep),
-                 Image<float>(1, kRows * kStep, kCols * kStep)};
-  flow.confidence.fill(1);
-  return flow;
-}
+FlowField at_rest() { return uniform_flow(kRows * kStep, kCols * kStep); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "tests/online/priors/pose/synthetic_scene.h"
+#include "tests/support/uniform_flow.h"
 
 using namespace hdrcam;
 using namespace hdrcam::test;
@@ -132,8 +133,7 @@ TEST_CASE("every point of the grid stands for a pixel of the picture, however sm
   DepthOptions options;
   options.step_px = step;
   MultiViewDepth depth(options, {64, 64, cols / 2.0, rows / 2.0}, rows, cols, pool);
-  FlowField flow{Image<float>(2, rows, cols), Image<float>(1, rows, cols)};
-  flow.vectors.fill(0.5f), flow.confidence.fill(1);
+  const FlowField flow = uniform_flow(rows, cols, 0.5f, 0.5f);
   RigidTransform T_world_camera;
   for (int i = 0; i < 4; ++i) {
     T_world_camera.t.x() = 0.1 * i;

@@ -6,6 +6,7 @@
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/ray_drawing.h"
 #include "tests/online/scene/hash_grid/fit/fit_stream.h"
+#include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
@@ -92,12 +93,8 @@ TEST_CASE("a picture that the camera's motion blurs counts less, though nothing 
   FieldFit fit({}, lens, kRows, kCols, pool);
   Image<float> codes(3, kRows, kCols), radiance(3, kRows, kCols), variance(3, kRows, kCols);
   codes.fill(100), radiance.fill(0.4f), variance.fill(1e-4f);
-  FlowField to_previous{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)}, from_previous;
-  to_previous.confidence.fill(1);
-  from_previous.vectors = to_previous.vectors.clone(),
-  from_previous.confidence = to_previous.confidence.clone();
-  std::fill_n(to_previous.vectors.plane(0), to_previous.vectors.plane_size(), 5.f);
-  std::fill_n(from_previous.vectors.plane(0), from_previous.vectors.plane_size(), -5.f);
+  const FlowField to_previous = test::uniform_flow(kRows, kCols, 5),
+                  from_previous = test::uniform_flow(kRows, kCols, -5);
   for (int i = 0; i < 3; ++i) {
     FieldObservation seen;
     seen.index = i, seen.time_s = i / 25.0, seen.blur_fraction = 0.8f;

@@ -1,0 +1,45 @@
+#include "online/state/look_ahead.h"
+
+#include "tests/support/uniform_flow.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+TEST_CASE("a frame that shows a flash keeps it, though the next one shows the dark behind it") {
+  constexpr int kRows = 20, kCols = 24;
+  WorkerPool pool(1);
+  const ExposureTables of_next(Response::gamma(2.2f), {}, 4);  // clips from .25 on
+  RadianceState flash{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  const FlowField path = test::uniform_flow(kRows, kCols);
+  const auto joined = [&](float bound, float next, bool shorter = false) {
+    flash.radiance.fill(bound), flash.variance.fill(kUnseenVariance);
+    ExposedFrame later;
+    later.index = 1, later.exposure = 4;
+    later.codes = Image<float>(3, kRows, kCols);
+    later.codes.fill(of_next.code(1, next));
+    const LaterFrame next_frame{&later, &path, &of_next, shorter};
+    Fusion fusion({}, pool);
+    JoinedState both;
+    LookAhead(pool).join(flash, {&next_frame, 1}, unseen_variance_from(4), fusion, both);
+    return both.radiance.at(1, 9, 11);
+  };
+  CHECK(joined(1, 0.1f) == 1);
+  CHECK(joined(1, 0.18f) == Approx(0.18f).epsilon(0.05));   // nearly clipped: it may be the same surface
+  CHECK(joined(0.2f, 0.1f) == Approx(0.1f).epsilon(0.05));  // a bound that the next frame's white is beyond
+  CHECK(joined(1, 0.1f, true) == Approx(0.1f).epsilon(0.05));  // a longer frame's own bound is lower
+}
+
+TEST_CASE("the blur of a later frame is a part of the path to it, also where a frame between was lost") {
+  ExposedFrame next, after;
+  next.interval_s = after.interval_s = 1 / 30., next.blur_fraction = 0.4f, after.blur_fraction = 0.8f;
+  const LaterFrame path[] = {{&next, nullptr, nullptr}, {&after, nullptr, nullptr}};
+  CHECK(blur_of_path({path, 1}) == 0.4f);
+  CHECK(blur_of_path({path, 2}) == 0.4f);  // half of both intervals
+  next.interval_s = 2 / 30.;
+  CHECK(blur_of_path({path, 1}) == 0.4f);
+  CHECK(blur_of_path({path, 2}) == Approx(0.8 / 3));
+  next.interval_s = after.interval_s = 0;  // times are unknown
+  CHECK(blur_of_path({path, 2}) == 0.4f);
+}
