@@ -326,6 +326,13 @@ TEST_CASE("a view with half the pixels sees what lies between, a longer exposure
   held->look(told.view(2), pool, half);
   CHECK(half.radiance.cols() == told.scene.cols / 2);
   CHECK(half.radiance.rows() == told.scene.rows / 2);
+  // at frame 3 the square spans 16..27 and 8..19
+  REQUIRE(told.scene.on_square(3, 10, 18));
+  for (const int y : {5, 8})
+    for (const int x : {9, 12})
+      CHECK(half.radiance.at(1, y, x) == Approx(told.scene.truth(3, 1, 10, 18)).epsilon(0.02));
+  for (const auto& [y, x] : {std::pair(2, 3), std::pair(6, 6), std::pair(6, 15), std::pair(12, 10)})
+    CHECK(half.radiance.at(1, y, x) < 0.4f);
 }
 
 TEST_CASE("a view of the pixels that are wanted shows them as the whole view does", "[field]") {
