@@ -168,7 +168,9 @@ TEST_CASE("pictures that are exposed anew are stated with their exposure, not wi
   FilmPlan plan = planned(0, 4, 8);
   plan.exposure = GENERATE(0.004, 0.0);  // 0: the reference exposure, here 1 s
   const Recorded recorded[] = {{0, 5}, {0.25, 10}, {0.5, 20}};
-  for (const Shown& shown : filmed(plan, recorded)) {
+  const std::vector<Shown> all = filmed(plan, recorded);
+  REQUIRE(all.size() == 4);
+  for (const Shown& shown : all) {
     CHECK(shown.facts.exposure_s == (*plan.exposure > 0 ? 0.004 : 1.0));
     CHECK(shown.facts.gain() == 1);
   }
@@ -256,13 +258,20 @@ TEST_CASE("a path is steadied over the frames that have a pose", "[film]") {
   FilmPlan plan = planned(0, 5, 4);
   plan.stabilize = true;
   const Recorded recorded[] = {{0, 5, 3}, {0.25, 5, 3}, {0.5, 5, 0, 0, false}, {0.75, 5, 3}, {1, 5, 3}};
-  for (const Shown& shown : filmed(plan, recorded))
-    if (shown.pose) CHECK(shown.x_m == Approx(3));
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 5);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    CAPTURE(i);
+    REQUIRE(shown[i].pose.has_value() == (i != 2));
+    if (shown[i].pose) CHECK(shown[i].x_m == Approx(3));
+  }
 }
 
 TEST_CASE("the record of a film's frame states how sure its exposure was", "[film]") {
   const Recorded recorded[] = {{0, 5}, {0.25, 10}};
-  for (const Shown& shown : filmed(planned(0, 3, 8), recorded)) {
+  const std::vector<Shown> all = filmed(planned(0, 3, 8), recorded);
+  REQUIRE(all.size() == 3);
+  for (const Shown& shown : all) {
     CHECK(shown.record.exposure_source == ExposureSource::Embedded);
     CHECK(shown.record.verdict == Verdict::Proved);
   }

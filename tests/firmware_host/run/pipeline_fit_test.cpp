@@ -101,16 +101,20 @@ TEST_CASE("a stated response is the same in any unit of exposure") {
   }
 }
 
-TEST_CASE("each preset takes its steps of the fit on every frame, and they change the field's picture") {
+TEST_CASE("a field that is shown takes the steps of its preset on every frame, and they change its picture") {
   const test::MovingScene scene;
   const auto frames = frames_of(scene, 8);
-  PipelineOptions options = options_of(Preset::Fast, EmitLayer::Field);
-  const int steps = options.knobs.budget.fit.steps;
-  REQUIRE(steps > 0);
-  const Emitted fitted = emitted_by(frames, scene.camera(), options);
-  for (const FrameRecord& record : fitted.records) CHECK(record.fit_steps == steps);
-  options.knobs.budget.fit.steps = 0;
-  CHECK(emitted_by(frames, scene.camera(), options).radiance.back() != fitted.radiance.back());
+  for (const Preset preset : {Preset::Fast, Preset::Balanced}) {
+    CAPTURE(name(preset));
+    PipelineOptions options = options_of(preset, EmitLayer::Field);
+    const int steps = options.knobs.budget.fit.steps;
+    REQUIRE(steps == knobs_of(preset).view_steps);
+    const Emitted fitted = emitted_by(frames, scene.camera(), options);
+    REQUIRE(fitted.records.size() == frames.size());
+    for (const FrameRecord& record : fitted.records) CHECK(record.fit_steps == steps);
+    options.knobs.budget.fit.steps = 0;
+    CHECK(emitted_by(frames, scene.camera(), options).radiance.back() != fitted.radiance.back());
+  }
 }
 
 TEST_CASE("every loss that is on by default weighs in the fit of a stream that moves") {

@@ -157,6 +157,7 @@ TEST_CASE("no checksum of a Matroska video contradicts what it covers, measured 
 TEST_CASE("a grey wedge decodes to its luminance within one code") {
   const std::string folder = sample::scratch_folder("wedge");
   const DecodedVideo video = made(folder + "/x.mp4", 5);
+  REQUIRE(video.frames.size() == 5);
   for (const auto& frame : video.frames)
     for (int patch = 0; patch < kPatches; ++patch) {
       const double nits = 203 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)]);
