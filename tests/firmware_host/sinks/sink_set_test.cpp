@@ -35,6 +35,9 @@ Result<std::unique_ptr<FrameSink>> open_tally(const SinkRequest& request) {
   return std::unique_ptr<FrameSink>(std::make_unique<TallySink>(request));
 }
 
+const CameraFacts kCamera;
+const SinkRequest kRequest{.path = {}, .camera = kCamera, .layers = {}, .storage = posix_storage()};
+
 const SinkKind kKinds[] = {
     {"tally", "--tally", "number of frames", SinkPace::Complete, SinkTarget::Files, open_tally},
     {"light", "--light", "the same, in the thread that emits", SinkPace::Light, SinkTarget::Files,
@@ -45,10 +48,8 @@ const SinkKind kKinds[] = {
 
 TEST_CASE("one line of the table is one more sink: it is opened where a path is named, fed and finished") {
   const std::string folder = sample::scratch_folder("sink_set");
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   auto sinks = SinkSet::open(kKinds, {{"tally", folder + "/a"}, {"light", folder + "/b"}, {"other", "c"}},
-                             request, RunPace::Clip);
+                             kRequest, RunPace::Clip);
   REQUIRE(sinks.ok());
   const HdrFrame frame = example_frame(0);
   for (int i = 0; i < 5; ++i) REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
@@ -65,10 +66,8 @@ TEST_CASE("one line of the table is one more sink: it is opened where a path is 
 }
 
 TEST_CASE("the standard output takes frames alone, and a sheet is a PNG picture") {
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   const auto refusal = [&](const char* sink, const std::string& path) {
-    const auto refused = SinkSet::open(sink_kinds(), {{sink, path}}, request, RunPace::Clip);
+    const auto refused = SinkSet::open(sink_kinds(), {{sink, path}}, kRequest, RunPace::Clip);
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().code == ErrorCode::Invalid);
     return refused.error().message;
@@ -83,20 +82,16 @@ TEST_CASE("the standard output takes frames alone, and a sheet is a PNG picture"
 }
 
 TEST_CASE("a sink without a path is not opened, and one that cannot be opened says why") {
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
-  CHECK(SinkSet::open(kKinds, {{"tally", ""}}, request, RunPace::Clip).value().empty());
-  const auto refused = SinkSet::open(sink_kinds(), {{"frames", "frame.exr"}}, request, RunPace::Clip);
+  CHECK(SinkSet::open(kKinds, {{"tally", ""}}, kRequest, RunPace::Clip).value().empty());
+  const auto refused = SinkSet::open(sink_kinds(), {{"frames", "frame.exr"}}, kRequest, RunPace::Clip);
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == ErrorCode::Invalid);
 }
 
 TEST_CASE("every sink is finished, also after another one failed") {
   const std::string folder = sample::scratch_folder("sink_set_fails");
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   auto sinks =
-      SinkSet::open(kKinds, {{"tally", "/proc/no/such"}, {"light", folder + "/b"}}, request, RunPace::Clip);
+      SinkSet::open(kKinds, {{"tally", "/proc/no/such"}, {"light", folder + "/b"}}, kRequest, RunPace::Clip);
   REQUIRE(sinks.ok());
   CHECK_FALSE(sinks.value().finish().ok());
   CHECK(read_whole(posix_storage(), folder + "/b").value() == "0");
@@ -105,11 +100,9 @@ TEST_CASE("every sink is finished, also after another one failed") {
 
 TEST_CASE("a numbered output is told with the frames that arrived and those left out, once there are any") {
   const std::string frames = sample::scratch_folder("sink_set_numbered") + "/%06d.txt";
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   const SinkKind kinds[] = {{"previews", "--previews", "a picture of each frame", SinkPace::Latest,
                              SinkTarget::Files, open_tally, ".txt"}};
-  auto sinks = SinkSet::open(kinds, {{"previews", frames}}, request, RunPace::Clip);
+  auto sinks = SinkSet::open(kinds, {{"previews", frames}}, kRequest, RunPace::Clip);
   REQUIRE(sinks.ok());
   CHECK(sinks.value().whole_outputs(posix_storage()).empty());
   const HdrFrame frame = example_frame(0);
@@ -124,10 +117,8 @@ TEST_CASE("a numbered output is told with the frames that arrived and those left
 
 TEST_CASE("one file whose name looks numbered is told as one file, and not where it could not be written") {
   const std::string file = sample::scratch_folder("sink_set_one") + "/%06d.txt";
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   const auto told = [&](const std::string& path) {
-    auto sinks = SinkSet::open(kKinds, {{"light", path}}, request, RunPace::Clip);
+    auto sinks = SinkSet::open(kKinds, {{"light", path}}, kRequest, RunPace::Clip);
     REQUIRE(sinks.ok());
     const HdrFrame frame = example_frame(0);
     for (int i = 0; i < 3; ++i) REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
@@ -141,9 +132,7 @@ TEST_CASE("one file whose name looks numbered is told as one file, and not where
 TEST_CASE(
     "a percent sign alone makes no numbered output: the file is told, and the previews are the pictures") {
   const std::string file = sample::scratch_folder("sink_set_percent") + "/50%.txt";
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
-  auto sinks = SinkSet::open(kKinds, {{"tally", file}}, request, RunPace::Clip);
+  auto sinks = SinkSet::open(kKinds, {{"tally", file}}, kRequest, RunPace::Clip);
   REQUIRE(sinks.ok());
   const HdrFrame frame = example_frame(0);
   REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
@@ -155,17 +144,15 @@ TEST_CASE(
 
 TEST_CASE("an earlier run's file that this run did not replace is not told as one of this run") {
   const std::string folder = sample::scratch_folder("sink_set_earlier");
-  const CameraFacts camera;
-  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
   const std::map<std::string, std::string, std::less<>> paths = {
       {"frames", folder + "/out.mkv"}, {"preview", folder + "/%06d.png"}, {"colmap", folder + "/model"}};
   REQUIRE(write_whole(posix_storage(), folder + "/out.mkv", {}).ok());
-  auto stopped = SinkSet::open(sink_kinds(), paths, request, RunPace::Clip);
+  auto stopped = SinkSet::open(sink_kinds(), paths, kRequest, RunPace::Clip);
   REQUIRE(stopped.ok());
   REQUIRE(stopped.value().finish().ok());
   CHECK(stopped.value().whole_outputs(posix_storage()).empty());
 
-  auto replaces = SinkSet::open(kKinds, {{"light", folder + "/out.mkv"}}, request, RunPace::Clip);
+  auto replaces = SinkSet::open(kKinds, {{"light", folder + "/out.mkv"}}, kRequest, RunPace::Clip);
   REQUIRE(replaces.ok());
   REQUIRE(replaces.value().finish().ok());
   CHECK(replaces.value().whole_outputs(posix_storage()) == folder + "/out.mkv\n");
