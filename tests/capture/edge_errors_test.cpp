@@ -23,5 +23,26 @@ TEST_CASE("the errors of edges are summed up as mean, 99th percentile and the wo
   CHECK(outlier.most() == 50ms);
 }
 
+TEST_CASE("99 of 100 edges are as near as is said, which is at most a fifth too much, from microseconds on") {
+  for (const Duration usual :
+       {Duration(1us), Duration(1500ns), Duration(10us), Duration(333us), Duration(7ms), Duration(2s)}) {
+    EdgeErrors errors;
+    for (int i = 0; i < 995; ++i) errors.add(usual);
+    for (int i = 0; i < 5; ++i) errors.add(100 * usual);
+    CAPTURE(usual.count());
+    CHECK(errors.p99() >= usual);
+    CHECK(to_seconds(errors.p99()) <= 1.19 * to_seconds(usual));
+    CHECK(errors.most() == 100 * usual);
+  }
+}
+
+TEST_CASE("without an edge there is no error") {
+  const EdgeErrors none;
+  CHECK(none.count() == 0);
+  CHECK(none.mean() == 0s);
+  CHECK(none.p99() == 0s);
+  CHECK(none.most() == 0s);
+}
+
 }  // namespace
 }  // namespace hdrcam
