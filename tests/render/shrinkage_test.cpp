@@ -194,7 +194,7 @@ TEST_CASE("every pixel lies in a tile, whatever the size", "[isa]") {
       }
 }
 
-TEST_CASE("shrinkage survives radiance of nought, of 10^30, and a picture smaller than a tile", "[isa]") {
+TEST_CASE("shrinkage survives radiance of zero, of 10^30, and a picture smaller than a tile", "[isa]") {
   WorkerPool pool(1);
   Shrinkage shrinkage(pool);
   Image<float> radiance(3, 16, 16), variance(3, 16, 16);

@@ -68,7 +68,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "hdrcam bench pareto finds a clip that is none first, and keeps what it measured before another fault") {
+    "hdrcam bench pareto refuses an invalid clip before it measures, and keeps what it measured before "
+    "another fault") {
   synthetic_clip::TemporaryFolder work;
   REQUIRE(ran({"simulate", "walk?size=96x64", "--frames", "10", "--truth", work / "walk"}).exit_code == 0);
   const auto walk_with = [&](const std::string& clip, const std::string& folder) {

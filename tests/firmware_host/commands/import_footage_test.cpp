@@ -139,7 +139,7 @@ TEST_CASE("the first file that does not say its exposure is named, not the first
 }
 
 TEST_CASE(
-    "a sensitivity or an f-number that some files leave out is not guessed at, one that all leave out is no "
+    "a sensitivity or an f-number that some files leave out is not guessed; one that all leave out does not "
     "matter") {
   const auto imported = [](const char* name, const std::function<void(int, test::Exif&)>& change) {
     const std::string folder = sample::scratch_folder(name);

@@ -55,7 +55,7 @@ TEST_CASE("a length with a unit is in metres and says so", "[film]") {
         "--stereo takes a length, such as 63mm or 0.02 (units of the scene), not '63km'");
 }
 
-TEST_CASE("a view that is none is refused with what one looks like", "[film]") {
+TEST_CASE("an invalid view is refused with an example of a valid one", "[film]") {
   CHECK_THAT(refusal(ViewPath::parse_view("left")),
              Contains("--view takes dx,dy,dz") && Contains("not 'left'"));
   CHECK_THAT(refusal(ViewPath::parse_view("1,2")), Contains("0.1,0,0,-5,0,0"));

@@ -65,7 +65,7 @@ constexpr const char* kOfAnother = "not run; what is there is of another recordi
 
 }  // namespace
 
-TEST_CASE("a fleet hands on every flag of replay, an empty value too, and none where there are none") {
+TEST_CASE("a fleet passes on every flag of replay, also an empty value, and nothing where none is given") {
   const Fleet fleet("fleet_flags");
   fleet.program("hdrcam", "echo \"$#\" >\"${4%/*}/words\"; echo '{}' >\"$6\"");
   const auto words = [&] {
@@ -174,9 +174,7 @@ TEST_CASE("a recording named as a list of the fleet is refused before anything i
   }
 }
 
-TEST_CASE(
-    "a flag of the fleet without its value, or with one that is none, is refused before anything is "
-    "written") {
+TEST_CASE("a flag of the fleet with a missing or an invalid value is refused before anything is written") {
   const Fleet fleet("fleet_values");
   const Ran number = fleet.run("--plain --at-once many", "3");
   INFO(number.output);

@@ -275,7 +275,7 @@ TEST_CASE("a value that a setting does not take is refused with what it takes") 
   CHECK_THAT(refused("[fit]\ndeadline = 0.033\n"), Contains("a time such as 33ms, or off, not 0.033"));
 }
 
-TEST_CASE("an exposure time of a file that is none is refused with its line") {
+TEST_CASE("an invalid exposure time in a file of settings is refused with its line") {
   const auto refused = [](const std::string& times) {
     return sentence(from_toml("[camera]\nwidth = 64\n\n[schedule]\nshutter = " + times + "\n"));
   };
@@ -484,7 +484,7 @@ TEST_CASE("docs/configuration.md lists every setting as the program has it") {
   }
 }
 
-TEST_CASE("a time of a trigger pulse that is none is refused by its name, and by its line in a file") {
+TEST_CASE("an invalid time of a trigger pulse is refused by its name, and in a file by its line") {
   for (const char* name : {"width", "gap", "tolerance"}) {
     for (const char* wrong : {"0", "-1ms", "2", "wide"}) {
       INFO(name << " " << wrong);

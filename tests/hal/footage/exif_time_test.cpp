@@ -31,7 +31,7 @@ TEST_CASE("a time of EXIF has the resolution of its digits, and its zone where i
   CHECK(exif_time("2026:02:28 23:59:59", "1234567891", "")->tick == 1ns);
 }
 
-TEST_CASE("a clock that was never set, or a text that is no time, is no time") {
+TEST_CASE("a clock that was never set gives no time, nor does a text that states none") {
   for (const char* text :
        {"", "    :  :     :  :  ", "0000:00:00 00:00:00", "2026:02:29 12:00:00", "2026:13:01 12:00:00",
         "2026:01:01 24:00:00", "2026-01-01 12:00:00", "2026:01:01T12:00:00", "2026:01:01 12:00"}) {

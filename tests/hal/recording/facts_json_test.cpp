@@ -16,7 +16,8 @@ std::string facts_with(const std::string& member, const std::string& value) {
   return text.replace(begin, text.find_first_of(",}", begin) - begin, value);
 }
 
-TEST_CASE("a whole number of the facts that is none, or beyond its range, is refused and never converted") {
+TEST_CASE(
+    "a fact that must be a whole number is refused where it is none or out of range, and never converted") {
   CHECK(record_from_json(facts_with("index", "7"), 8).ok());
   for (const char* member : {"index", "sequence", "timestamp_ns", "slot", "flags"})
     for (const char* value : {"6.66e37", "1.5", "1e99", "true", "\"7\"", "99999999999999999999"}) {

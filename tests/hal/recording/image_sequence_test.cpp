@@ -151,7 +151,7 @@ TEST_CASE("facts that cannot be a camera's are refused by their frame, file and 
   }
 }
 
-TEST_CASE("a clip.json names images of its own folder, no device and no name that is none") {
+TEST_CASE("a clip.json names images of its own folder: no device, and no invalid name") {
   const ClipFolder folder;
   const std::string good = R"(,"time_s":0.1,"exposure_s":0.001)";
   const std::string outside = sample::scratch_folder("outside") + "/secret.png";

@@ -386,7 +386,7 @@ TEST_CASE("a replay has nothing to record and no cycle to change") {
   CHECK(client.receive().status == 409);
 }
 
-TEST_CASE("an address that is none and a token that is too short end the run before it begins") {
+TEST_CASE("an invalid address and a token that is too short end the run before it begins") {
   require_error(LiveView::open("here", {}, nullptr), ErrorCode::Invalid);
   require_error(LiveView::open("127.0.0.1:0", {.token = "short"}, nullptr), ErrorCode::Invalid);
   const auto view = open_view();

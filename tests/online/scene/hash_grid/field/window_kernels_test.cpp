@@ -111,7 +111,7 @@ TEST_CASE("the base of a pixel is its log radiance and what the networks may cha
   }
 }
 
-TEST_CASE("values are codes from 0 to 1, and what is not a code is none", "[isa]") {
+TEST_CASE("values are codes from 0 to 1, and what is not a code has no value", "[isa]") {
   const Row codes{0, 255, 51, -3, 300, kNan, -kInf};
   Row values(codes.size());
   window_kernels().values({codes.data(), -1, values.data()}, static_cast<int>(codes.size()));
