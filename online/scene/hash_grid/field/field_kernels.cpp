@@ -59,17 +59,24 @@ inline void corner_weights(const Corners& corners, int corner, float* weight) {
   }
 }
 
+// The corners of a block of samples, and what each counts in the interpolation.
+struct WeighedCorners : Corners {
+  alignas(64) float weight[8][kBlock];
+};
+inline void weigh_corners(const HashLevel& level, const GridQuery& at, int first, WeighedCorners& corners) {
+  find_corners(level, at, first, corners);
+  for (int corner = 0; corner < 8; ++corner) corner_weights(corners, corner, corners.weight[corner]);
+}
+
 void encode(const HashLevel& level, const float* table, const GridQuery& at, float* feature0,
             float* feature1) {
-  Corners corners;
-  alignas(64) float weight[8][kBlock];
+  WeighedCorners corners;
   for (int first = 0; first < at.n; first += kBlock) {
-    find_corners(level, at, first, corners);
-    for (int corner = 0; corner < 8; ++corner) corner_weights(corners, corner, weight[corner]);
+    weigh_corners(level, at, first, corners);
     for (int s = 0; s < kBlock; ++s) {
       Pair sum{};
       for (int corner = 0; corner < 8; ++corner)
-        sum += load_pair(table + 2 * corners.index[corner][s]) * (Pair{} + weight[corner][s]);
+        sum += load_pair(table + 2 * corners.index[corner][s]) * (Pair{} + corners.weight[corner][s]);
       feature0[first + s] = sum[0], feature1[first + s] = sum[1];
     }
   }
@@ -77,17 +84,15 @@ void encode(const HashLevel& level, const float* table, const GridQuery& at, flo
 
 void scatter(const HashLevel& level, float* d_table, const GridQuery& at, const float* d_feature0,
              const float* d_feature1) {
-  Corners corners;
-  alignas(64) float weight[8][kBlock];
+  WeighedCorners corners;
   for (int first = 0; first < at.n; first += kBlock) {
-    find_corners(level, at, first, corners);
-    for (int corner = 0; corner < 8; ++corner) corner_weights(corners, corner, weight[corner]);
+    weigh_corners(level, at, first, corners);
     for (int s = 0; s < kBlock; ++s) {
       const float d0 = d_feature0[first + s], d1 = d_feature1[first + s];
       for (int corner = 0; corner < 8; ++corner) {
         float* entry = d_table + 2 * corners.index[corner][s];
-        entry[0] += weight[corner][s] * d0;
-        entry[1] += weight[corner][s] * d1;
+        entry[0] += corners.weight[corner][s] * d0;
+        entry[1] += corners.weight[corner][s] * d1;
       }
     }
   }
