@@ -11,7 +11,12 @@ namespace {
 struct Vectors {
   Lanes x, y;
 };
+inline Vectors operator+(Vectors a, Vectors b) { return {a.x + b.x, a.y + b.y}; }
+inline Vectors operator-(Vectors a, Vectors b) { return {a.x - b.x, a.y - b.y}; }
 inline Lanes squared(Vectors v) { return v.x * v.x + v.y * v.y; }
+
+// landing_cells() of landing.h: this file may include nothing with inline code.
+constexpr int cells_along(int pixels) { return (pixels + kLandingCell - 1) / kLandingCell; }
 
 // What pictures hold where eight pixels of the row are, moved by these vectors: at the nearest pixels, which
 // is as good as between them and two to three times as fast (docs/decisions/kernels.md).
@@ -85,9 +90,7 @@ inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes
 inline Vectors either(Whole which, Vectors a, Vectors b) { return {which ? a.x : b.x, which ? a.y : b.y}; }
 
 // Whether motions there and back, read where the former leads, do not come home.
-inline Whole lost(Vectors there, Vectors back) {
-  return squared({there.x + back.x, there.y + back.y}) > kHome2;
-}
+inline Whole lost(Vectors there, Vectors back) { return squared(there + back) > kHome2; }
 
 // A pixel of the clipped frame: its motion to the state, D, and both flows where these lead.
 struct Crossing {
@@ -98,15 +101,13 @@ struct Crossing {
 inline Crossing step(const RowOfPictures& at, const PathAhead& path, int x, const Crossing& from) {
   const Nearest there = place_of(at, x, from.back);
   Crossing to;
-  to.after = vectors_at(path.after_to_state, at,
-                        place_of(at, x, {from.back.x + from.whole.x, from.back.y + from.whole.y}));
+  to.after = vectors_at(path.after_to_state, at, place_of(at, x, from.back + from.whole));
   to.before = vectors_at(path.state_to_after, at, there);
   to.whole = {0.5f * (to.before.x - to.after.x), 0.5f * (to.before.y - to.after.y)};
   to.back = {-path.share * to.whole.x, -path.share * to.whole.y};
   if (path.last != nullptr) {
     const Vectors last = vectors_at(path.last, at, there);
-    const Vectors bend = bend_of(path, to.whole, last, read(path.measured, there));
-    to.back = {to.back.x + bend.x, to.back.y + bend.y};
+    to.back = to.back + bend_of(path, to.whole, last, read(path.measured, there));
   }
   return to;
 }
@@ -128,9 +129,8 @@ void compare(const CheckedPathRow& r) {
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     constexpr Vectors kStill{};
     const Crossing crossing = settle(r.at, r.path, x, kStill, kStill);
-    const Vectors off{load_some(r.u + x, count) - crossing.back.x,
-                      load_some(r.v + x, count) - crossing.back.y};
-    const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
+    const Vectors off = Vectors{load_some(r.u + x, count), load_some(r.v + x, count)} - crossing.back;
+    const Vectors ahead = crossing.back + crossing.whole;
     const Whole within = kEachLane < count;
     const Whole told = within & (around <= kClipped) &
                        (seen(read(r.clipped_after, place_of(r.at, x, ahead))) >= kSeen) &
@@ -163,11 +163,10 @@ inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Cr
   const Vectors back{-r.path.share * start.x, -r.path.share * start.y};
   // what will be there without it
   const Vectors known{own.x + unseen * (crossing.back.x - own.x), own.y + unseen * (crossing.back.y - own.y)};
-  const Whole differs = squared({known.x - back.x, known.y - back.y}) > kKnown2;
+  const Whole differs = squared(known - back) > kKnown2;
   if (!any_negative(differs & (kEachLane < count))) return;
   const Crossing fast = settle(r.at, r.path, x, back, start);
-  const Whole there =
-      ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);
+  const Whole there = ~lost(fast.before, fast.after) & (squared(fast.whole - start) < kFarOff2);
   if (!any_negative(there)) return;
   unseen = there & lost(own, vectors_at(r.from, r.at, place_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
   crossing.back = either(there, fast.back, crossing.back);
@@ -188,11 +187,11 @@ void bridge(const BridgedRow& r) {
     if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
     if (!any_negative(unseen > 0)) return;
     if (r.off_u != nullptr) {
-      const int cell = x / kLandingCell, cells = (r.at.cols + kLandingCell - 1) / kLandingCell;
-      crossing.back = {crossing.back.x + between_cells(r.off_u, cell, cells),
-                       crossing.back.y + between_cells(r.off_v, cell, cells)};
+      const int cell = x / kLandingCell, cells = cells_along(r.at.cols);
+      crossing.back =
+          crossing.back + Vectors{between_cells(r.off_u, cell, cells), between_cells(r.off_v, cell, cells)};
     }
-    const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
+    const Vectors ahead = crossing.back + crossing.whole;
     const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, ahead)));
     take_over(r.u + x, r.v + x, count, share, crossing.back);
     const Lanes measured = load_some(r.measured + x, count);
@@ -202,13 +201,12 @@ void bridge(const BridgedRow& r) {
 
 // Read in the cell that it leads to.
 inline Vectors less_what_is_off(const BridgedAheadRow& r, int x, Vectors ahead) {
-  const int down = (r.at.rows + kLandingCell - 1) / kLandingCell,
-            across = (r.at.cols + kLandingCell - 1) / kLandingCell;
+  const int down = cells_along(r.at.rows), across = cells_along(r.at.cols);
   constexpr float kCells = 1.f / kLandingCell;
   const Nearest there = nearest((lanes(x + kEachLane) + ahead.x + 0.5f) * kCells - 0.5f,
                                 (static_cast<float>(r.at.y) + ahead.y + 0.5f) * kCells - 0.5f, down, across);
-  return {ahead.x - lanes_at(r.off, there.place),
-          ahead.y - lanes_at(r.off + static_cast<std::ptrdiff_t>(down) * across, there.place)};
+  return ahead - Vectors{lanes_at(r.off, there.place),
+                         lanes_at(r.off + static_cast<std::ptrdiff_t>(down) * across, there.place)};
 }
 
 void bridge_ahead(const BridgedAheadRow& r) {
@@ -229,8 +227,7 @@ void bridge_ahead(const BridgedAheadRow& r) {
     if (r.path.last != nullptr) {
       const Lanes measured =
           load_some(r.path.measured + static_cast<std::ptrdiff_t>(r.at.y) * r.at.cols + x, count);
-      const Vectors bend = bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
-      ahead = {ahead.x - bend.x, ahead.y - bend.y};
+      ahead = ahead - bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
     }
     if (r.off != nullptr) ahead = less_what_is_off(r, x, ahead);
     const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, whole)));
