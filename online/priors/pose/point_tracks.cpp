@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 namespace hdrcam {
 namespace {
@@ -35,17 +36,16 @@ struct FlowSample {
   float disagreement_px = 0;
 };
 
-// Bilinear at a point (pixel centres at +0.5). false: outside.
-bool sample_flow(const FlowField& flow, const Eigen::Vector2d& px, FlowSample& sample) {
+// Bilinear at a point (pixel centres at +0.5). None outside, and where it is not finite.
+std::optional<FlowSample> sample_flow(const FlowField& flow, const Eigen::Vector2d& px) {
   const double x = px.x() - 0.5, y = px.y() - 0.5;
   const int cols = flow.vectors.cols(), rows = flow.vectors.rows();
-  if (!(x >= 0 && y >= 0 && x <= cols - 1 && y <= rows - 1)) return false;
+  if (!(x >= 0 && y >= 0 && x <= cols - 1 && y <= rows - 1)) return std::nullopt;
   const int x0 = std::min(static_cast<int>(x), cols - 2), y0 = std::min(static_cast<int>(y), rows - 2);
-  if (x0 < 0 || y0 < 0) return false;
+  if (x0 < 0 || y0 < 0) return std::nullopt;
   const double fx = x - x0, fy = y - y0;
   const double weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-  sample.vector.setZero();
-  sample.confidence = 1, sample.disagreement_px = 0;
+  FlowSample sample{.vector = Eigen::Vector2d::Zero(), .confidence = 1};
   for (int channel = 0; channel < 2; ++channel) {
     const float* upper = flow.vectors.row(channel, y0) + x0;
     const float* lower = flow.vectors.row(channel, y0 + 1) + x0;
@@ -57,7 +57,8 @@ bool sample_flow(const FlowField& flow, const Eigen::Vector2d& px, FlowSample& s
   for (int k = 0; k < 4; ++k)
     if (weights[k] > kReadWeight)
       sample.confidence = std::min(sample.confidence, flow.confidence.at(0, y0 + k / 2, x0 + k % 2));
-  return sample.vector.allFinite();
+  if (!sample.vector.allFinite()) return std::nullopt;
+  return sample;
 }
 
 // So far inside the picture that the flow can be read.
@@ -79,14 +80,13 @@ void PointTracks::remove(std::size_t i) {
 
 void PointTracks::follow(const FlowField& from_previous) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    FlowSample flow;
     ScenePoint& point = points_[i];
-    point.seen = sample_flow(from_previous, point.seen_px, flow) &&
-                 flow.confidence >= options_.least_confidence &&
-                 flow.disagreement_px <= options_.flow_disagreement_px;
+    const auto flow = sample_flow(from_previous, point.seen_px);
+    point.seen = flow && flow->confidence >= options_.least_confidence &&
+                 flow->disagreement_px <= options_.flow_disagreement_px;
     if (!point.seen) continue;
-    point.seen_px += flow.vector;
-    histories_[i].moved_px = flow.vector.norm();
+    point.seen_px += flow->vector;
+    histories_[i].moved_px = flow->vector.norm();
     ++histories_[i].age;
     point.sigma_px = sigma_of(histories_[i]);
   }
@@ -105,13 +105,13 @@ int PointTracks::seen() const {
 }
 
 void PointTracks::settle(const Intrinsics& lens, const RigidTransform& T_camera_world) {
-  PointResidual r;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     ScenePoint& point = points_[i];
     if (!point.seen) continue;
     --histories_[i].age;
     point.sigma_px = sigma_of(histories_[i]);
-    if (point_residual(point, point.inverse_depth, lens, T_camera_world, r)) point.seen_px += kSettle * r.px;
+    if (const auto r = point_residual(point, point.inverse_depth, lens, T_camera_world))
+      point.seen_px += kSettle * r->px;
   }
 }
 
@@ -120,17 +120,15 @@ void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics
   for (std::size_t i = points_.size(); i-- > 0;) {
     ScenePoint& point = points_[i];
     if (!point.seen) continue;
-    PointResidual r;
-    const bool agrees = point_residual(point, inverse_depths[i], lens, T_camera_world, r) &&
-                        r.squared_sigmas < kInlierSigmas * kInlierSigmas;
-    if (!agrees) {
+    const auto r = point_residual(point, inverse_depths[i], lens, T_camera_world);
+    if (!r || !(r->squared_sigmas < kInlierSigmas * kInlierSigmas)) {
       if (++histories_[i].outlier >= options_.outlier_patience) remove(i);
       continue;
     }
     histories_[i].outlier = 0;
     point.inverse_depth = inverse_depths[i];
-    point.seen_px += options_.pull * r.px;
-    const double gained = r.per_inverse_depth.squaredNorm() / (point.sigma_px * point.sigma_px);
+    point.seen_px += options_.pull * r->px;
+    const double gained = r->per_inverse_depth.squaredNorm() / (point.sigma_px * point.sigma_px);
     const double most =
         1 / std::pow(kBestRelative * std::max(point.inverse_depth, kLeastInverse * kTypicalInverseDepth), 2);
     point.information =
@@ -163,13 +161,11 @@ void PointTracks::restart_when_thin() {
 void PointTracks::coast(const Intrinsics& lens, const RigidTransform& T_camera_world, int rows, int cols) {
   for (std::size_t i = points_.size(); i-- > 0;) {
     ScenePoint& point = points_[i];
-    PointResidual r;
-    bool keep = point_residual(point, point.inverse_depth, lens, T_camera_world, r);
+    const auto r = point_residual(point, point.inverse_depth, lens, T_camera_world);
     histories_[i].unseen = point.seen ? 0 : histories_[i].unseen + 1;
-    if (!point.seen && keep) point.seen_px += r.px;
-    keep =
-        keep && histories_[i].unseen <= options_.longest_coast && histories_[i].age < options_.longest_track;
-    keep = keep && is_inside(point.seen_px, rows, cols);
+    if (!point.seen && r) point.seen_px += r->px;
+    const bool keep = r && histories_[i].unseen <= options_.longest_coast &&
+                      histories_[i].age < options_.longest_track && is_inside(point.seen_px, rows, cols);
     if (!keep) remove(i);
   }
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "hal/core/check.h"
@@ -54,16 +55,18 @@ struct Projection {
   Eigen::Vector2d px;
 };
 
-bool project(const ScenePoint& point, double inverse_depth, const Intrinsics& lens, const RigidTransform& T,
-             Projection& out) {
+// None where the point is not in front of the camera.
+std::optional<Projection> project(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
+                                  const RigidTransform& T) {
+  Projection out;
   out.baseline = T.R * point.origin_world + T.t;
   out.y = T.R * point.direction_world + inverse_depth * out.baseline;
-  if (!(out.y.z() > kNearestZ)) return false;
+  if (!(out.y.z() > kNearestZ)) return std::nullopt;
   const double z = 1 / out.y.z();
   const double x = out.y.x() * z, y = out.y.y() * z;
   out.px = {lens.fx_px * x + lens.cx_px, lens.fy_px * y + lens.cy_px};
   out.per_y << lens.fx_px * z, 0, -lens.fx_px * z * x, 0, lens.fy_px * z, -lens.fy_px * z * y;
-  return true;
+  return out;
 }
 
 struct PointTerms {
@@ -74,18 +77,19 @@ struct PointTerms {
   double offset = 0;  // d - prior
 };
 
-bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
-               double scale, double width, PointTerms& terms) {
-  Projection p;
-  if (!project(point, d, lens, T, p)) return false;
-  terms.px = p.px - point.seen_px;
-  terms.per_pose.leftCols<3>() = -p.per_y * cross_matrix(p.y);
-  terms.per_pose.rightCols<3>() = p.per_y * d;
-  terms.per_depth = p.per_y * p.baseline;
+std::optional<PointTerms> linearise(const ScenePoint& point, double d, const Intrinsics& lens,
+                                    const RigidTransform& T, double scale, double width) {
+  const std::optional<Projection> p = project(point, d, lens, T);
+  if (!p) return std::nullopt;
+  PointTerms terms;
+  terms.px = p->px - point.seen_px;
+  terms.per_pose.leftCols<3>() = -p->per_y * cross_matrix(p->y);
+  terms.per_pose.rightCols<3>() = p->per_y * d;
+  terms.per_depth = p->per_y * p->baseline;
   const double precision = 1 / (point.sigma_px * point.sigma_px * scale * scale);
   terms.weight = precision * robust_weight(terms.px.squaredNorm() * precision, width);
   terms.offset = d - point.inverse_depth;
-  return true;
+  return terms;
 }
 
 // Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
@@ -116,14 +120,15 @@ Vector6 solve(PoseSums& sums, Freedom freedom) {
 
 }  // namespace
 
-bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
-                    const RigidTransform& T, PointResidual& residual) {
-  Projection p;
-  if (!project(point, inverse_depth, lens, T, p)) return false;
-  residual.px = p.px - point.seen_px;
-  residual.per_inverse_depth = p.per_y * p.baseline;
+std::optional<PointResidual> point_residual(const ScenePoint& point, double inverse_depth,
+                                            const Intrinsics& lens, const RigidTransform& T) {
+  const std::optional<Projection> p = project(point, inverse_depth, lens, T);
+  if (!p) return std::nullopt;
+  PointResidual residual;
+  residual.px = p->px - point.seen_px;
+  residual.per_inverse_depth = p->per_y * p->baseline;
   residual.squared_sigmas = residual.px.squaredNorm() / (point.sigma_px * point.sigma_px);
-  return true;
+  return residual;
 }
 
 double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
@@ -131,10 +136,11 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
                     std::vector<double>& errors) {
   errors.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    PointResidual r;
-    if (!points[i].seen || !point_residual(points[i], inverse_depths[i], lens, T_camera_world, r)) continue;
-    const double along = r.per_inverse_depth.norm();
-    const double across = r.per_inverse_depth.x() * r.px.y() - r.per_inverse_depth.y() * r.px.x();
+    if (!points[i].seen) continue;
+    const auto r = point_residual(points[i], inverse_depths[i], lens, T_camera_world);
+    if (!r) continue;
+    const double along = r->per_inverse_depth.norm();
+    const double across = r->per_inverse_depth.x() * r->px.y() - r->per_inverse_depth.y() * r->px.x();
     if (along > 0) errors.push_back(std::abs(across) / (along * points[i].sigma_px));
   }
   return kSigmaPerMad * median(errors);
@@ -186,11 +192,8 @@ PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& le
   for (int step = 0; step < options.steps; ++step) {
     const double width = std::max(kRobustSigmas, options.widest_sigmas * std::pow(0.5, step));
     PoseSums sums = sum_over(points, [&](std::size_t i, PoseSums& some) {
-      PointTerms terms;
-      const double d = depth_after_move(i);
-      eliminated_[i] = linearise(points[i], d, lens, T, options.noise_scale, width, terms)
-                           ? accumulate(points[i], terms, some)
-                           : EliminatedDepth();
+      const auto terms = linearise(points[i], depth_after_move(i), lens, T, options.noise_scale, width);
+      eliminated_[i] = terms ? accumulate(points[i], *terms, some) : EliminatedDepth();
     });
     move = solve(sums, options.freedom);
     const Eigen::Matrix3d turn = rotation(move.head<3>());
@@ -201,8 +204,8 @@ PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& le
   const double scale2 = options.noise_scale * options.noise_scale;
   const PoseSums sums = sum_over(points, [&](std::size_t i, PoseSums& some) {
     const double d = depth_after_move(i);
-    PointResidual r;
-    const double squared = point_residual(points[i], d, lens, T, r) ? r.squared_sigmas / scale2 : kBehind;
+    const auto r = point_residual(points[i], d, lens, T);
+    const double squared = r ? r->squared_sigmas / scale2 : kBehind;
     const double offset = d - points[i].inverse_depth;
     some.cost += robust_cost(squared, kRobustSigmas) + points[i].information * offset * offset;
     some.inliers += squared < kInlierSigmas * kInlierSigmas;

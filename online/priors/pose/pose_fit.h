@@ -8,6 +8,7 @@
 // step. The functions are reentrant, a PoseFitter is thread-bound.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -79,14 +80,14 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
                     const Intrinsics& lens, const RigidTransform& T_camera_world,
                     std::vector<double>& errors);
 
-// Squared residual in sigmas of one point, and how strongly its pixel depends on the inverse depth. false:
-// not in front of the camera.
+// Squared residual in sigmas of one point, and how strongly its pixel depends on the inverse depth.
 struct PointResidual {
   Eigen::Vector2d px;                 // pi - seen
   Eigen::Vector2d per_inverse_depth;  // d px / d inverse depth
   double squared_sigmas = 0;
 };
-bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
-                    const RigidTransform& T_camera_world, PointResidual& residual);
+// None where the point is not in front of the camera.
+std::optional<PointResidual> point_residual(const ScenePoint& point, double inverse_depth,
+                                            const Intrinsics& lens, const RigidTransform& T_camera_world);
 
 }  // namespace hdrcam

@@ -24,10 +24,9 @@ double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& l
                          const RigidTransform& T_camera_world) {
   int seen = 0, off = 0;
   for (const ScenePoint& point : points) {
-    PointResidual r;
     if (!point.seen) continue;
-    const bool near =
-        point_residual(point, point.inverse_depth, lens, T_camera_world, r) && r.px.norm() < kUnexplained_px;
+    const auto r = point_residual(point, point.inverse_depth, lens, T_camera_world);
+    const bool near = r && r->px.norm() < kUnexplained_px;
     ++seen, off += !near;
   }
   return seen > 0 ? static_cast<double>(off) / seen : 0;
@@ -38,11 +37,10 @@ double parallax_share(std::span<const ScenePoint> points, const Heading& heading
                       double px) {
   int seen = 0, clear = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    PointResidual r;
-    if (!points[i].seen ||
-        !point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world, r))
-      continue;
-    ++seen, clear += r.per_inverse_depth.norm() * heading.inverse_depths[i] > px;
+    if (!points[i].seen) continue;
+    const auto r = point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world);
+    if (!r) continue;
+    ++seen, clear += r->per_inverse_depth.norm() * heading.inverse_depths[i] > px;
   }
   return seen > 0 ? static_cast<double>(clear) / seen : 0;
 }
