@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "hal/core/image.h"
 
@@ -17,15 +18,16 @@ struct GridPlace {
   int nearest_y() const { return y0 + (fy > 0.5f); }
 };
 
-// x, y: grid points. false: outside, or not finite.
-inline bool locate(float x, float y, int rows, int cols, GridPlace& place) {
+// x, y: grid points. Nothing: outside, or not finite.
+inline std::optional<GridPlace> locate(float x, float y, int rows, int cols) {
   if (!(x >= 0 && y >= 0 && x <= static_cast<float>(cols - 1) && y <= static_cast<float>(rows - 1)))
-    return false;
+    return std::nullopt;
+  GridPlace place;
   place.x0 = std::min(static_cast<int>(x), cols - 2);
   place.y0 = std::min(static_cast<int>(y), rows - 2);
   place.fx = x - static_cast<float>(place.x0);
   place.fy = y - static_cast<float>(place.y0);
-  return true;
+  return place;
 }
 
 struct Corners {

@@ -14,6 +14,7 @@ constexpr float kContinuous_px = 1.5f;
 constexpr float kContinuousDepth = 0.15f;  // the same for inverse depths, relative
 constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: nearer points are not visible
 constexpr float kDisagreement = 9;         // squared sigmas between the learnt and the measured depth
+constexpr float kNoBaseline2 = 1e-12f;     // squared shift per inverse depth that only rounding makes
 
 // How many times less two estimates that differ so much count, by their information: Cauchy's weight.
 float doubt_of(float difference, float measured, float learnt) {
@@ -116,10 +117,10 @@ void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previou
         if (!(to_previous.confidence.at(0, py, px) >= options_.least_confidence)) continue;
         const float from_x = static_cast<float>(x) + to_previous.vectors.at(0, py, px) * per_step;
         const float from_y = static_cast<float>(y) + to_previous.vectors.at(1, py, px) * per_step;
-        GridPlace from;
-        if (!locate(from_x, from_y, rows_, cols_, from)) continue;
-        for (Keyframe& keyframe : keyframes_) carry_position(keyframe, from, y, x);
-        carry_depth(previous, from, y, x);
+        const std::optional<GridPlace> from = locate(from_x, from_y, rows_, cols_);
+        if (!from) continue;
+        for (Keyframe& keyframe : keyframes_) carry_position(keyframe, *from, y, x);
+        carry_depth(previous, *from, y, x);
       }
   });
   for (Keyframe& keyframe : keyframes_) keyframe.seen.copy_from(keyframe.carried);
@@ -168,9 +169,9 @@ float MultiViewDepth::sigma_px(const Keyframe& keyframe) const {
 }
 
 // The inverse depth of a static point from the displacement to a keyframe.
-MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
-                                             Estimate& estimate) const {
-  if (!(keyframe.seen.at(2, y, x) > 0)) return Seen::Nothing;
+MultiViewDepth::Measured MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y,
+                                                 int x) const {
+  if (!(keyframe.seen.at(2, y, x) > 0)) return {};
   const auto fx = static_cast<float>(lens_.fx_px), fy = static_cast<float>(lens_.fy_px);
   const auto cx = static_cast<float>(lens_.cx_px), cy = static_cast<float>(lens_.cy_px);
   const float u = (keyframe.seen.at(0, y, x) - cx) / fx, v = (keyframe.seen.at(1, y, x) - cy) / fy;
@@ -181,16 +182,15 @@ MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Rel
   const float bx = relative.t[0] - u * relative.t[2], by = relative.t[1] - v * relative.t[2];
   const float bb = bx * bx + by * by;
   const float sigma = sigma_px(keyframe) / (fx * static_cast<float>(options_.step_px));
-  if (!(bb > 1e-12f)) return Seen::Nothing;
+  if (!(bb > kNoBaseline2)) return {};
   const float d = -(ax * bx + ay * by) / bb;
   const float z = a[2] + std::max(d, 0.f) * relative.t[2];
-  if (!(z > kNearestZ)) return Seen::Nothing;
+  if (!(z > kNearestZ)) return {};
   const float sigma_d = sigma * z / std::sqrt(bb);
   const float across = (ax * by - ay * bx) / (std::sqrt(bb) * z);
   if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d)
-    return Seen::Dynamic;
-  estimate = {std::max(d, 0.f), 1 / (sigma_d * sigma_d)};
-  return Seen::Static;
+    return {.point = Seen::Dynamic};
+  return {Seen::Static, std::max(d, 0.f), 1 / (sigma_d * sigma_d)};
 }
 
 // This frame's prior: the learnt depth fused with the measurements of both keyframes.
@@ -203,10 +203,9 @@ void MultiViewDepth::fuse() {
         float sum = 0, information = 0;
         bool moves = false;
         for (std::size_t k = 0; k < 2; ++k) {
-          Estimate seen;
-          const Seen found = measure(keyframes_[k], relative[k], y, x, seen);
-          moves |= found == Seen::Dynamic;
-          if (found != Seen::Static) continue;
+          const Measured seen = measure(keyframes_[k], relative[k], y, x);
+          moves |= seen.point == Seen::Dynamic;
+          if (seen.point != Seen::Static) continue;
           sum += seen.inverse_depth * seen.information, information += seen.information;
         }
         const float learnt = learnt_.at(0, y, x), known = learnt_.at(1, y, x);
@@ -235,8 +234,8 @@ void MultiViewDepth::retire(const Keyframe& keyframe) {
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
-        Estimate seen;
-        if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
+        const Measured seen = measure(keyframe, relative, y, x);
+        if (seen.point != Seen::Static) continue;
         float &learnt = learnt_.at(0, y, x), &known = learnt_.at(1, y, x);
         if (known > 0) known /= doubt_of(seen.inverse_depth - learnt, seen.information, known);
         learnt = (learnt * known + seen.inverse_depth * seen.information) / (known + seen.information);
@@ -253,8 +252,8 @@ float MultiViewDepth::median_parallax(const Keyframe& keyframe) {
   parallaxes_.clear();
   for (int y = kEvery / 2; y < rows_; y += kEvery)
     for (int x = kEvery / 2; x < cols_; x += kEvery) {
-      Estimate seen;
-      if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
+      const Measured seen = measure(keyframe, relative, y, x);
+      if (seen.point != Seen::Static) continue;
       parallaxes_.push_back(seen.inverse_depth * std::sqrt(seen.information) * sigma_px(keyframe));
     }
   return median(parallaxes_);

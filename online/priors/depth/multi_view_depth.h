@@ -19,7 +19,7 @@ namespace hdrcam {
 struct GridPlace;
 
 struct DepthOptions {
-  int step_px = 2;  // of the grid that is filtered, 1..8: 2 is as accurate at a quarter of the cost
+  int step_px = 2;                 // of the grid that is filtered: 2 is as accurate at a quarter of the cost
   float least_confidence = 0.7f;   // of the flow, 0..1
   float noise_px = 0.2f;           // of one flow vector, standard deviation..
   float noise_growth_px = 0.1f;    // ..and of each further one in the chain
@@ -54,10 +54,11 @@ class MultiViewDepth final : public DepthPrior {
     Image<float> carried;  // the same of the next frame, borrowed meanwhile
     int age = 0;           // frames
   };
-  struct Estimate {
-    float inverse_depth = 0, information = 0;  // information: 1 / variance, 0 unknown
-  };
   enum class Seen { Nothing, Static, Dynamic };
+  struct Measured {
+    Seen point = Seen::Nothing;
+    float inverse_depth = 0, information = 0;  // of a static one; information: 1 / variance
+  };
   struct Relative;  // the pose between two views, prepared for a pixel loop
 
   void restart(const RigidTransform& T_world_camera);
@@ -66,7 +67,7 @@ class MultiViewDepth final : public DepthPrior {
   void carry_position(Keyframe& keyframe, const GridPlace& from, int y, int x);
   void carry_depth(const Relative& previous, const GridPlace& from, int y, int x);
   float sigma_px(const Keyframe& keyframe) const;
-  Seen measure(const Keyframe& keyframe, const Relative& relative, int y, int x, Estimate& estimate) const;
+  Measured measure(const Keyframe& keyframe, const Relative& relative, int y, int x) const;
   void fuse();
   void retire(const Keyframe& keyframe);
   float median_parallax(const Keyframe& keyframe);
