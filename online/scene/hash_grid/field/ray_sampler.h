@@ -37,6 +37,9 @@ void place_samples(T guide, int count, Jitter&& jitter, T* inverse_depth, T* spa
 class PixelPicker {
  public:
   static constexpr int kTile = 8;  // pixels
+  struct Pixel {
+    int x, y;
+  };
 
   PixelPicker(int rows, int cols);
 
@@ -46,7 +49,7 @@ class PixelPicker {
   void learn(int x, int y, float misfit);
   // Recomputes the distribution; uniform_share of the picks ignores interest.
   void prepare(float uniform_share);
-  void pick(Pcg32& random, int& x, int& y) const;
+  [[nodiscard]] Pixel pick(Pcg32& random) const;
 
  private:
   std::size_t tile_of(int x, int y) const {

@@ -1,6 +1,12 @@
 #include "online/scene/hash_grid/fit/guide_refresh.h"
 
 namespace hdrcam {
+namespace {
+
+// inverse depths in whose band (ray_sampler.h) samples still lie on both sides
+constexpr float kFarthestGuide = 0.01f, kNearestGuide = 0.95f;
+
+}  // namespace
 
 void refresh_guide(Window& window, const RadianceField& field, FieldProbe& probe) {
   if (window.size() == 0 || !window.has_parallax()) return;
@@ -12,7 +18,8 @@ void refresh_guide(Window& window, const RadianceField& field, FieldProbe& probe
   std::size_t waiting = 0;
   const auto look = [&] {
     probe.look(field, view, {rays, waiting}, {answers, waiting});
-    for (std::size_t i = 0; i < waiting; ++i) *guides[i] = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
+    for (std::size_t i = 0; i < waiting; ++i)
+      *guides[i] = std::clamp(answers[i].inverse_depth, kFarthestGuide, kNearestGuide);
     waiting = 0;
   };
   for (int y = 0; y < frame.guide.rows(); ++y)

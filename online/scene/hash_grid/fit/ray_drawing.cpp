@@ -67,8 +67,7 @@ void draw_rays(const Window& window, const RayDrawing& how, std::span<const Pixe
   const auto newest = static_cast<std::size_t>(how.newest_share * static_cast<float>(rays.size()));
   for (std::size_t r = 0; r < rays.size(); ++r) {
     const int frame = r < newest ? window.size() - 1 : random.below(window.size());
-    int x = 0, y = 0;
-    pickers[static_cast<std::size_t>(window.frame(frame).slot)].pick(random, x, y);
+    const auto [x, y] = pickers[static_cast<std::size_t>(window.frame(frame).slot)].pick(random);
     // interleaved over the shards, so that each has a fair part of the newest frame
     rays[r % shards * kRaysPerShard + r / shards] = ray_at(window, frame, x, y, how.has_dynamic, random);
   }
