@@ -93,8 +93,8 @@ class Fusion {
   void update(const Seen& seen, const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
               Image<float>& share, SampleOrder order = SampleOrder::AfterFirst);
 
-  // Variance that reading along the flow adds to row y, per local contrast: misalignment, of each interval
-  // that it is chained of, and interpolation.
+  // Variance that reading along the flow adds to row y, per local contrast: misalignment and interpolation,
+  // both of each interval that it is chained of.
   void warp_variance(const Image<float>& flow, int y, float* per_contrast, int intervals = 1) const;
 
  private:

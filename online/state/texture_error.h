@@ -30,7 +30,8 @@ class TextureError {
                const ExposureTables& tables, float unseen_variance);
 
   // The share of the local contrast (variance of 3x3 pixels) that a sample's variance has on top of its
-  // noise. `least` for cameras that leave textures alone.
+  // noise; it is measured over the 4x4 pixels between which the state is read, whose contrast is the larger
+  // one in smooth gradients. `least` for cameras that leave textures alone.
   float share() const;
 
  private:

@@ -1,5 +1,6 @@
-// Volume rendering along one ray (paper eq. "combine_static"): samples near to far, each with a static and a
-// dynamic density. The rendered value of any quantity is sum_k w_k ((1 - s_k) static_k + s_k dynamic_k), with
+// Volume rendering along one ray (paper eq. "nsff_combine_static"): samples near to far, each with a static
+// and a dynamic density. The rendered value of any quantity is sum_k w_k ((1 - s_k) static_k + s_k
+// dynamic_k), with
 //   alpha_k = 1 - exp(-(sigma_s + sigma_d) delta),   w_k = alpha_k prod_{m<k} (1 - alpha_m),
 //   s_k = sigma_d / (sigma_s + sigma_d)
 // The last sample is opaque, so every ray ends on a surface and the weights sum to 1.

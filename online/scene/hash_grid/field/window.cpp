@@ -243,8 +243,9 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
     frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
-// Lifts a flow of pixels to a displacement in window space, with the best known depth at both ends. The
-// reverse flow starts as its opposite until it is measured: motion is nearly uniform over two frames.
+// Lifts a flow of pixels to a displacement in window space: both of its ends lie at the best known inverse
+// depth of its beginning, each in its own camera; the change of depth in between is left out. The reverse
+// flow starts as its opposite until it is measured: motion is nearly uniform over two frames.
 void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
                        WorkerPool& pool) const {
   const Intrinsics& camera = frustum_.camera;

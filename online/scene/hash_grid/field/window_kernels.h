@@ -20,7 +20,8 @@ struct BaseRow {
   float *log_radiance, *gate;
 };
 
-// A flow of pixels, lifted to the surfaces at both of its ends.
+// A flow of pixels, lifted: both of its ends lie at the inverse depth of its beginning, each in its own
+// camera.
 struct LiftedRow {
   const float *dx, *dy, *confidence;  // px
   const float* surface;               // inverse depth

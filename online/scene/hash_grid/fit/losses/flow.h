@@ -1,5 +1,7 @@
-// Flow loss (paper appendix, L_flow): the distance in neighbour j between the pixel that the rendered scene
-// flow gives for a ray and the pixel that the flow prior gives, in pixels. Reentrant.
+// Flow loss (paper appendix, L_flow): the distance in neighbour j between the pixel that the scene flow gives
+// for a ray and the pixel that the flow prior gives, in pixels. The paper projects the rendered mean of the
+// displaced points; here each sample's landing is projected, and the pixels are averaged with the weights of
+// rendering (ray_rendering.h): the same where one surface has all the weight. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/losses/robust.h"

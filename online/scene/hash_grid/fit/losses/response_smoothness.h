@@ -1,5 +1,6 @@
-// Response smoothness (paper appendix, L_smooth): squared second differences of the curve's points.
-// Reentrant.
+// Response smoothness (paper appendix, L_smooth): squared second differences of the curve's points. Its
+// weight belongs to LearnedResponse's number of points: the integral of g''^2 would take their cube, not the
+// square. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/learned_response.h"
@@ -10,7 +11,7 @@ template <class T>
 T response_smoothness_loss(T weight, const LearnedResponse<T>& response,
                            typename LearnedResponse<T>::Gradient& d_point) {
   constexpr int kLast = LearnedResponse<T>::kPoints - 1;
-  const T scale = weight * T(kLast) * T(kLast);  // so that the weight does not depend on the number of points
+  const T scale = weight * T(kLast) * T(kLast);
   T loss = 0;
   for (int c = 0; c < 3; ++c)
     for (int j = 1; j < kLast; ++j) {
