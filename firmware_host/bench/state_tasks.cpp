@@ -129,6 +129,14 @@ void add_update(KernelTasks& tasks, const SharedRoom& room) {
                     .share = room->out.row(2, y)},
                    cols);
   });
+  add_rows(tasks, "fusion: doubt of textures", rows, cols, 10, 3, [room, &kernels, cols](int y) {
+    RandomPlanes& r = room->radiance;
+    kernels.doubt_textures({.mean = r.row(2, y),
+                            .hidden = {room->tables.hidden(1).data(), room->tables.exposure()},
+                            .share = 0.05f,
+                            .doubt = r.row(8, y)},
+                           cols);
+  });
 }
 
 // The state is carried to the next frame.

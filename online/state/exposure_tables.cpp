@@ -10,6 +10,9 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
   constexpr float kDarkCode = 10;
   constexpr int kBlackCode = 4, kSureCode = 8;
   constexpr float kClean = 0.25f, kRings = 0.75f;  // codes rms
+  // Noise is measured in smooth places, where compression leaves less: variance, of code noise.
+  constexpr float kBeyondSmooth = 3;
+  constexpr float kHiddenTexture = 4;  // codes rms
   excess_ = excess;
   ringing_ = smooth_step(kClean, kRings, noise.code_noise);
   for (int c = 0; c < 3; ++c) {
@@ -24,14 +27,17 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
       if (code < kDarkCode)
         for (int d = -2; d <= 2; ++d)
           slope = std::max(slope, response.slope(c, code + static_cast<float>(d)));
-      float variance =
-          noise.exposure_variance(x) + slope * slope * noise.code_variance() + excess.at(channel, x);
+      const float per_code = slope * slope;
+      float variance = noise.exposure_variance(x) +
+                       per_code * (1 + kBeyondSmooth * ringing_) * noise.code_variance() +
+                       excess.at(channel, x);
       // near black a code is a bound more than a measurement: what is darker, or was made so, reads the same
       const float bound = response.inverse(c)[kBlackCode] * (1 - smooth_step(kBlackCode, kSureCode, code));
       const float doubt = x * response.uncertainty(c, code);
       variance += bound * bound + doubt * doubt;
       variance_[channel][i] = variance / (exposure_ * exposure_);
       code_[channel][i] = code;
+      hidden_[channel][i] = kHiddenTexture * kHiddenTexture * ringing_ * per_code / (exposure_ * exposure_);
     }
   }
 }

@@ -51,9 +51,11 @@ class ExposureTables {
   // the tables (online/state/texture_error.h).
   float texture_error() const { return texture_error_; }
   void set_texture_error(float share) { texture_error_ = share; }
-  // 0..1: whether the camera's processing leaves codes below white in what is clipped, as compression and
-  // sharpening do: cameras with noise in their codes.
+  // 0..1: how far the camera's processing changes a code by its surroundings, as compression and noise
+  // reduction do: cameras with noise in their codes. It leaves codes below white in what is clipped, too.
   float ringing() const { return ringing_; }
+  // Whether a sample's variance goes by the contrast around it.
+  bool doubts_textures() const { return texture_error_ > 0 || ringing_ > 0; }
   const VarianceExcess& excess() const { return excess_; }
 
   // Half a code: what is darker cannot be told from none.
@@ -72,11 +74,19 @@ class ExposureTables {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
   }
+  // What such processing hides of a texture, as variance of a sample of a pixel with this `radiance`: all of
+  // a local `contrast` (variance of 3x3 pixels) that is small, and no more than some codes of a large one.
+  float hidden_texture(int channel, float radiance, float contrast) const {
+    const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
+    const float most = hidden_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
+    return contrast * most / (contrast + most + pass_constants::kTiny);
+  }
   // The tables themselves, for kernels that look up on their own: radiance by code [kCodes], variance by
-  // kSegments sqrt(relative exposure) [kRoots], code by the same [kRoots].
+  // kSegments sqrt(relative exposure) [kRoots], code and the most that is hidden of a texture by the same.
   std::span<const float> radiances(int channel) const { return radiance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> variances(int channel) const { return variance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> codes(int channel) const { return code_[static_cast<std::size_t>(channel)]; }
+  std::span<const float> hidden(int channel) const { return hidden_[static_cast<std::size_t>(channel)]; }
   // radiance -> code 0..255, clipped
   float code(int channel, float radiance) const {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
@@ -90,7 +100,7 @@ class ExposureTables {
   float exposure_, texture_error_ = 0, ringing_ = 0;
   VarianceExcess excess_;
   std::array<std::array<float, pass_constants::kCodes>, 3> radiance_{};
-  std::array<std::array<float, pass_constants::kRoots>, 3> variance_{}, code_{};
+  std::array<std::array<float, pass_constants::kRoots>, 3> variance_{}, code_{}, hidden_{};
 };
 
 }  // namespace hdrcam

@@ -48,20 +48,26 @@ class GuessedLines {
   Image<float>& lines_;
 };
 
-// The variance of a row's samples beyond their noise; null: none. doubt: the guess's local contrast where
-// textures are in error, and becomes the variance. misaligned: by warp_variance(), where samples were moved.
-const float* beyond_noise(float texture_error, const Moved* moved, const float* misaligned, int channel,
-                          int y, int cols, float* doubt) {
-  if (texture_error > 0)
-    for (int x = 0; x < cols; ++x) doubt[x] *= texture_error;
+// The variance of a row's samples beyond their noise; null: none. mean: of the guess. doubt: its local
+// contrast where textures are in error, and becomes the variance. misaligned: by warp_variance(), where
+// samples were moved.
+const float* beyond_noise(const ExposureTables& tables, const Moved* moved, const float* misaligned,
+                          int channel, int y, int cols, const float* mean, float* doubt) {
+  const bool textured = tables.doubts_textures();
+  if (textured)
+    fusion_kernels().doubt_textures({.mean = mean,
+                                     .hidden = {tables.hidden(channel).data(), tables.exposure()},
+                                     .share = tables.texture_error(),
+                                     .doubt = doubt},
+                                    cols);
   if (moved != nullptr) {
     const float* contrast = moved->contrast.row(channel, y);
-    if (texture_error > 0)
+    if (textured)
       for (int x = 0; x < cols; ++x) doubt[x] += misaligned[x] * contrast[x];
     else
       for (int x = 0; x < cols; ++x) doubt[x] = misaligned[x] * contrast[x];
   }
-  return texture_error > 0 || moved != nullptr ? doubt : nullptr;
+  return textured || moved != nullptr ? doubt : nullptr;
 }
 
 }  // namespace
@@ -172,7 +178,7 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
   const float relative2 = o.relative_noise * o.relative_noise;
   const ScratchLease lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
                            {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
-  const float texture_error = seen.tables.texture_error();
+  const bool textured = seen.tables.doubts_textures();
   after.radiance.reshape_like(before.radiance);
   after.variance.reshape_like(before.variance);
   share.reshape(1, rows, cols);
@@ -184,8 +190,8 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
     float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band), *misaligned = misaligned_.row(0, band);
     if (moved != nullptr) warp_variance(moved->flow, y, misaligned, moved->intervals);
     for (int c = 0; c < 3; ++c) {
-      picture_kernels().window(guess.around(band, c, y, mean, texture_error > 0 ? doubt : nullptr));
-      const float* extra = beyond_noise(texture_error, moved, misaligned, c, y, cols, doubt);
+      picture_kernels().window(guess.around(band, c, y, mean, textured ? doubt : nullptr));
+      const float* extra = beyond_noise(seen.tables, moved, misaligned, c, y, cols, mean, doubt);
       fusion_kernels().update({.state = before.radiance.row(c, y),
                                .variance = before.variance.row(c, y),
                                .sample = samples.radiance.row(c, y),

@@ -190,6 +190,13 @@ void update(const UpdatedRow& row, int n) {
   });
 }
 
+void doubt_textures(const TexturedRow& row, int n) {
+  across_noise(row.hidden, row.mean, n, [&](int x, auto most) {
+    const auto contrast = get<decltype(most)>(row.doubt + x);
+    put(row.doubt + x, row.share * contrast + contrast * most / (contrast + most + kTiny));
+  });
+}
+
 // The fraction of a pixel, of an ordinary number.
 inline float beyond(float v) {
   const float f = v - static_cast<float>(static_cast<int>(v));
@@ -235,7 +242,7 @@ void age(const AgedRow& row, int n) {
 }  // namespace
 
 extern const FusionKernels kFusionKernels;
-const FusionKernels kFusionKernels{&sample, &record, &stand_in,      &compare,
-                                   &gate,   &update, &warp_variance, &age};
+const FusionKernels kFusionKernels{&sample, &record,         &stand_in,      &compare, &gate,
+                                   &update, &doubt_textures, &warp_variance, &age};
 
 }  // namespace hdrcam::HDRCAM_TARGET

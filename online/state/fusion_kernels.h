@@ -70,6 +70,15 @@ struct UpdatedRow {
   float* share;  // a third of this channel's is added
 };
 
+// One channel: what textures add to the variance of samples that a camera's processing changed by their
+// surroundings.
+struct TexturedRow {
+  const float* mean;       // radiance around the pixel
+  SampleVariances hidden;  // the most that is hidden of a texture (ExposureTables::hidden())
+  float share;             // of the contrast, however large
+  float* doubt;            // the local contrast; becomes the variance
+};
+
 // Variance that a warp along (dx, dy) adds, per local contrast.
 struct WarpedRow {
   const float *dx, *dy;
@@ -97,6 +106,7 @@ struct FusionKernels {
   void (*compare)(const ComparedRow&, int n);
   void (*gate)(const GatedRow&, int n);
   void (*update)(const UpdatedRow&, int n);
+  void (*doubt_textures)(const TexturedRow&, int n);
   void (*warp_variance)(const WarpedRow&, int n);
   void (*age)(const AgedRow&, int n);
 };

@@ -84,7 +84,7 @@ inline constexpr PartWorth kPartWorths[] = {
     {"warp variance", kWalk, no_warp_variance, 2.25, 0.0065},
     {"gate", kWalk, no_gate, 0.6, 0},
     {"blur variance", kPan, no_blur_variance, 1.3, 0.0055},
-    {"learned noise", kDim, assumed_noise, 3.4, 0.1},
+    {"learned noise", kDim, assumed_noise, 2.4, 0.079},
     {"rolling shutter correction", kDim, no_rolling_shutter, 1.3, 0.0015},
 };
 

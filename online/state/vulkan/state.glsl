@@ -2,7 +2,8 @@
 //   state    [radiance rgb, variance rgb]
 //   samples  [radiance rgb, weight rgb, comparable rgb, blur rgb]
 //   motion   [dx, dy, confidence]
-//   tables   radiance [3][kCodes] by code, variance [3][kRoots] by the root of relative exposure (ExposureTables)
+//   tables   radiance [3][kCodes] by code, variance [3][kRoots] by the root of relative exposure,
+//            the most that is hidden of a texture [3][kRoots] by the same (ExposureTables)
 #include "online/state/pass_constants.h"
 
 const int kVariance = 3;

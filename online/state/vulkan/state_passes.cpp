@@ -36,7 +36,7 @@ struct WarpConstants {
 
 Result<GpuTables> GpuTables::make(GpuDevice& device) {
   using namespace pass_constants;
-  constexpr std::size_t kCurves = 3 * (kCodes + kRoots), kExcess = 3 * VarianceExcess::kBins;
+  constexpr std::size_t kCurves = 3 * (kCodes + 2 * kRoots), kExcess = 3 * VarianceExcess::kBins;
   GpuTables tables;
   tables.curves = TRY(device.buffer(kCurves * sizeof(float)));
   tables.excess = TRY(device.buffer(kExcess * sizeof(float)));
@@ -47,9 +47,11 @@ void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
   std::vector<float> all;
   for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.radiances(c).begin(), tables.radiances(c).end());
   for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.variances(c).begin(), tables.variances(c).end());
+  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.hidden(c).begin(), tables.hidden(c).end());
   work.upload(std::as_bytes(std::span(all)), *curves);
   work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
   exposure = tables.exposure(), texture_error = tables.texture_error(), ringing = tables.ringing();
+  doubts_textures = tables.doubts_textures();
 }
 
 Result<PassRoom> PassRoom::make(GpuDevice& device, int rows, int cols) {
@@ -203,12 +205,12 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
     float unseen_from;
   } choice{state.rows, state.cols, unseen_variance};
   run(kGuess, {*state, *samples, *room.guess}, choice, room.guess.grid());
-  if (tables.texture_error > 0)
+  if (tables.doubts_textures)
     local_contrast(room.guess, room.mean, room.detail);
   else
     box_mean(room.guess, 1, room.mean);
   const struct {
-    int rows, cols, joins, bounded, starts;
+    int rows, cols, joins, bounded, starts, textured;
     float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2,
         texture_error, ringing;
   } constants{state.rows,
@@ -216,6 +218,7 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
               taking == Taking::Later ? 1 : 0,
               taking == Taking::Later && !moved.shorter ? 1 : 0,
               taking == Taking::First ? 1 : 0,
+              tables.doubts_textures ? 1 : 0,
               unseen_variance,
               tables.exposure,
               square(o.relative_noise),

@@ -22,6 +22,7 @@ constexpr int kResidualPlanes = 9;  // residual, variance, bin; rgb each
 struct GpuTables {
   std::unique_ptr<GpuBuffer> curves, excess;
   float exposure = 1, texture_error = 0, ringing = 0;
+  bool doubts_textures = false;
 
   static Result<GpuTables> make(GpuDevice& device);
   void take(const ExposureTables& tables, GpuWork& work);

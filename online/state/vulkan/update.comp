@@ -6,7 +6,7 @@
 // share is joined to that of those before; `bounded` 1 where their frame is exposed no shorter.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, joins, bounded, starts;
+  int rows, cols, joins, bounded, starts, textured;
   float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
   float ringing;
 };
@@ -57,7 +57,7 @@ void main() {
       variance += unknown_blur_variance * blur2;
     }
     if (joins != 0) variance += extra * contrast[i];
-    if (texture_error > 0) variance += texture_error * detail[i];
+    if (textured != 0) variance += texture_error * detail[i] + hidden_texture(c, m, detail[i]);
     const float weight = other ? 0 : weighs * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
     if (weight > kLeastSignal2 / (m * m + kTiny) || (v < unseen_from && !other)) {

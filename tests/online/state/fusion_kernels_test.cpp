@@ -263,6 +263,22 @@ TEST_CASE("a warp adds variance by its length and by its fraction of a pixel", "
   }
 }
 
+TEST_CASE("textures are doubted by a share of their contrast and by what processing hides of it", "[isa]") {
+  Numbers numbers(5);
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    constexpr float kShare = 0.05f;
+    Row mean = numbers.between(-0.1f, 2.5f, n), contrast = numbers.between(0, 0.01f, n), expected(size);
+    contrast[0] = 0;
+    for (std::size_t x = 0; x < size; ++x)
+      expected[x] = kShare * contrast[x] + tables().hidden_texture(1, mean[x], contrast[x]);
+    Row doubt = contrast;
+    fusion_kernels().doubt_textures(
+        {mean.data(), {tables().hidden(1).data(), tables().exposure()}, kShare, doubt.data()}, n);
+    require_near(doubt, expected, 1e-4f);
+  }
+}
+
 TEST_CASE("what is carried grows uncertain with time, warp and doubt, but never more than a guess is",
           "[isa]") {
   Numbers numbers(5);

@@ -78,10 +78,12 @@ TEST_CASE("what a camera's processing makes of textures is seen, and a camera th
 
 TEST_CASE(
     "where processing changes textures a sample of a texture weighs less, one of a flat place as before") {
-  const auto variance_after = [](float amplitude, float texture_error) {
+  const auto variance_after = [](float amplitude, float texture_error, float code_noise = 0.1f) {
     Texture texture(amplitude);
     Fusion fusion({}, texture.pool);
-    ExposureTables sampled = tables();
+    NoiseModel noise;
+    noise.full_well = kWell, noise.code_noise = code_noise;
+    ExposureTables sampled(Response::gamma(2.2f), noise, 1);
     sampled.set_texture_error(texture_error);
     Samples samples;
     Image<float> share;
@@ -93,4 +95,6 @@ TEST_CASE(
   };
   CHECK(variance_after(0, 0.1f) == Approx(variance_after(0, 0)).epsilon(1e-3));
   CHECK(variance_after(0.1f, 0.1f) > 2 * variance_after(0.1f, 0));
+  CHECK(variance_after(0.1f, 0, 1) >
+        3 * variance_after(0, 0, 1));  // of compressed codes even without a share
 }
