@@ -157,7 +157,9 @@ TEST_CASE("a time limit before the first frame is a failure that a script can se
 
 TEST_CASE("a recording without frames in place of a camera ends before its time limit, and is not late") {
   const std::string folder = sample::scratch_folder("record_of_nothing"), empty = folder + "/empty.mkv";
-  require_done(sample::record(posix_storage(), empty, sample::camera(PixelLayout::Rgb, 8, 64, 48), {}));
+  const auto writer = create_recording(posix_storage(), empty, sample::camera(PixelLayout::Rgb, 8, 64, 48));
+  REQUIRE(writer.ok());
+  require_done(writer.value()->finish());
   const RanHere run =
       ran_here({"record", "--camera", "replay:" + empty, "--timeout", "3600", "-o", folder + "/copy.mkv"});
   INFO(run.err);

@@ -39,7 +39,7 @@ TEST_CASE("record says how the cycle followed the light") {
   const std::string recording = sample::scratch_folder("record_light") + "/x.mkv";
   const RanHere ended =
       ran_here({"record", "--camera", "sim:walk?size=64x48&rays=1&fps=50", "--format", "RGB24", "--shutter",
-                "1ms,4ms", "--adapt", "light", "--frames", "60", "-o", recording});
+                "8ms,16ms", "--adapt", "light", "--frames", "60", "-o", recording});
   INFO(ended.err);
   REQUIRE(ended.exit_code == kExitOk);
   CHECK_THAT(ended.out, Catch::Contains("the light changed the cycle") && Catch::Contains("; last to "));
