@@ -8,9 +8,16 @@
 namespace hdrcam {
 namespace {
 
-float ratio(Duration interval, Duration other) {
-  if (interval <= Duration::zero() || other <= Duration::zero()) return 1;
-  return static_cast<float>(std::clamp(to_seconds(interval) / to_seconds(other), 0.1, 10.0));
+// The bounds of a ratio, and what it is where time stamps stand still or run backward.
+struct RatioRange {
+  double otherwise, least, most;
+};
+constexpr RatioRange kOfIntervals{.otherwise = 1, .least = 0.1, .most = 10};
+constexpr RatioRange kOfPart{.otherwise = 0.5, .least = 0.1, .most = 0.9};  // of an interval in two
+
+float ratio(Duration interval, Duration other, const RatioRange& range) {
+  if (interval <= Duration::zero() || other <= Duration::zero()) return static_cast<float>(range.otherwise);
+  return static_cast<float>(std::clamp(to_seconds(interval) / to_seconds(other), range.least, range.most));
 }
 
 }  // namespace
@@ -55,13 +62,13 @@ Instant PendingFrames::time_before(std::size_t place, std::size_t n) const {
 float PendingFrames::before_ratio(std::size_t place) const {
   if (retired_ + place < 2) return 1;
   const Instant before = time_before(place, 1);
-  return ratio(frames_[place]->frame.facts.timestamp - before, before - time_before(place, 2));
+  return ratio(frames_[place]->frame.facts.timestamp - before, before - time_before(place, 2), kOfIntervals);
 }
 
 float PendingFrames::after_ratio(std::size_t place) const {
   const Instant before = time_before(place, 1);
   return ratio(frames_[place]->frame.facts.timestamp - before,
-               frames_[place + 1]->frame.facts.timestamp - before);
+               frames_[place + 1]->frame.facts.timestamp - before, kOfPart);
 }
 
 void PendingFrames::borrow_motion_from_previous(std::size_t place) {

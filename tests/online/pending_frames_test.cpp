@@ -59,6 +59,10 @@ TEST_CASE("time stamps that stand still or run backward count as even intervals,
   CHECK(frames.before_ratio(3) == 1);
   CHECK(frames.before_ratio(4) == 1);
   CHECK(frames.before_ratio(5) == 10);
+  // of two intervals the first is never all or nothing
+  CHECK(frames.after_ratio(1) == Approx(0.9));
+  CHECK(frames.after_ratio(2) == Approx(0.5));
+  CHECK(frames.after_ratio(4) == Approx(0.1));
 }
 
 TEST_CASE("a state that is kept is the frame's own, and is given back with the frame") {

@@ -25,7 +25,7 @@ FlowScales scales_of(const FlowEffort& effort, int rows, int cols) {
   while (shorter >> (scales.coarsest + 1) >= kLeast) ++scales.coarsest;
   while (shorter >> scales.far > kMostFar) ++scales.far;
   scales.finest = std::min(effort.finest_scale, scales.coarsest);
-  scales.far = std::max(scales.far, effort.finest_scale);
+  scales.far = std::max(scales.far, scales.finest);
   return scales;
 }
 

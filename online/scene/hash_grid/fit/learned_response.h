@@ -95,7 +95,7 @@ void LearnedResponse<T>::start_from(const Response& response) {
     for (int j = 1; j < kPoints; ++j) {
       const T x = T(j) / T(kSegments) * T(j) / T(kSegments);
       while (code + 1 < Response::kCodes && T(exposure[index(code + 1)]) <= x) ++code;
-      const T low = code > 0 || T(exposure[0]) <= x ? T(exposure[index(code)]) : T(0);
+      const T low = code > 0 ? T(exposure[index(code)]) : T(0);  // code 0 stands for what is darker, too
       const int next = std::min(code + 1, Response::kCodes - 1);
       const T high = T(exposure[index(next)]);
       const T part = high > low ? std::min((x - low) / (high - low), T(1)) : T(0);

@@ -37,6 +37,16 @@ TEST_CASE("a patch that alone was found far away is not believed, one among its 
     }
 }
 
+TEST_CASE("what is far away is looked for in a picture that is searched, however small it is") {
+  for (const int rows : {20, 40, 64, 85, 120, 240, 480, 1080})
+    for (const FlowQuality quality : {FlowQuality::Coarse, FlowQuality::Fast, FlowQuality::Fine}) {
+      CAPTURE(rows);
+      const FlowScales scales = scales_of(effort_of(quality), rows, rows * 4 / 3);
+      CHECK(scales.far >= scales.finest);
+      CHECK(scales.far <= scales.coarsest);
+    }
+}
+
 TEST_CASE("a patch is looked for in a third of a picture, and in a long strip no farther") {
   constexpr int kShort = 85;  // pixels, of the longest picture that is searched for what is far away
   CHECK(far_reach(kShort) == kShort / 3);
