@@ -14,6 +14,7 @@
 #include "tests/firmware_host/commands/verb_runs.h"
 #include "tests/support/becomes_true.h"
 #include "tests/support/process.h"
+#include "tests/support/ran.h"
 
 using namespace hdrcam;
 using test::becomes_true;
@@ -160,12 +161,11 @@ TEST_CASE("a recording without frames in place of a camera ends before its time 
   const auto writer = create_recording(posix_storage(), empty, sample::camera(PixelLayout::Rgb, 8, 64, 48));
   REQUIRE(writer.ok());
   require_done(writer.value()->finish());
-  const RanHere run =
-      ran_here({"record", "--camera", "replay:" + empty, "--timeout", "3600", "-o", folder + "/copy.mkv"});
-  INFO(run.err);
+  const test::Ran run =
+      test::ran({"record", "--camera", "replay:" + empty, "--timeout", "3600", "-o", folder + "/copy.mkv"});
   CHECK(run.exit_code == kExitOk);
-  CHECK_THAT(run.out, Catch::Contains("0 frames"));
-  CHECK(run.err.find("--timeout") == std::string::npos);
+  CHECK_THAT(run.output, Catch::Contains("0 frames"));
+  CHECK(run.output.find("--timeout") == std::string::npos);
 }
 
 TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {

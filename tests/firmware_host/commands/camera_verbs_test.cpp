@@ -37,12 +37,11 @@ TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
 
 TEST_CASE("record says how the cycle followed the light") {
   const std::string recording = sample::scratch_folder("record_light") + "/x.mkv";
-  const RanHere ended =
-      ran_here({"record", "--camera", "sim:walk?size=64x48&rays=1&fps=50", "--format", "RGB24", "--shutter",
-                "8ms,16ms", "--adapt", "light", "--frames", "60", "-o", recording});
-  INFO(ended.err);
+  const test::Ran ended =
+      test::ran({"record", "--camera", "sim:walk?size=64x48&rays=1&fps=50", "--format", "RGB24", "--shutter",
+                 "8ms,16ms", "--adapt", "light", "--frames", "60", "-o", recording});
   REQUIRE(ended.exit_code == kExitOk);
-  CHECK_THAT(ended.out, Catch::Contains("the light changed the cycle") && Catch::Contains("; last to "));
+  CHECK_THAT(ended.output, Catch::Contains("the light changed the cycle") && Catch::Contains("; last to "));
 }
 
 TEST_CASE("a deadline that nothing can hold costs previews and HDR frames, never captured or recorded ones") {
