@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""panned_brackets.py PHOTOS RESPONSES.csv FOLDER: clips with ground truth from HDR photographs, as a camera's bracket would show them
+"""panned_brackets.py PHOTOS RESPONSES.csv FOLDER [PANORAMAS SEED..]: clips with ground truth from HDR photographs, as a camera's bracket would
+show them
 
 PHOTOS: a folder with Bonita.exr, Desk.exr, Flowers.exr, StillLife.exr, Tree.exr (OpenEXR's test images); RESPONSES.csv: 201 lines of 1024
 relative codes (DoRF). Each exposure is one still: photons, read noise, noise reduction, a toe, the response, a pedestal, JPEG. Frames are
 windows of 320x240 that pan over the stills in turn, by whole pixels, so that errors of a still stay with the scene, as in real brackets
-that are panned over, and do not average out. Then: ./run quality FOLDER. Needs Debian's python3-opencv."""
+that are panned over, and do not average out. With seeds each draws one bracket, n and its number, of a photograph or of a part of a panorama (PANORAMAS:
+a folder with {adams,dikhololo,forest,kiara,studio,venice}*.hdr, 1024 columns each). Then: ./run quality FOLDER. Needs Debian's python3-opencv."""
 import json
 import os
 import pathlib
@@ -97,8 +99,37 @@ def curves_of(bracket, responses):
     return responses[[bracket.curve, bracket.curve + 1, bracket.curve + 2]]
 
 
-def scene_of(bracket, photos):
+PHOTOS = ["Bonita", "Desk", "Flowers", "StillLife", "Tree"]
+PANORAMAS = ["adams", "dikhololo", "forest", "kiara", "studio", "venice"]
+
+
+def drawn_of(seed):
+    """One bracket; the order of the draws is part of what a seed means."""
+    draw = random.Random(seed)
+    photo = draw.choice(PHOTOS + [f"{name}@{draw.randrange(1024)}" for name in PANORAMAS])  # @: its first column
+    stops = draw.choice([(-2, 0, 2), (-3, 0, 3), (-4, 0, 4), (-2, 2), (-1, 1), (-3, 3), (-2, -0.5, 1, 2.5), (-5, 0),
+                         (-3, -1, 1, 3), (-2.5, 0, 2.5), (-4, 0)])
+    level = draw.choice([0, draw.randint(2, 18), draw.randint(2, 18)])
+    pedestal = tuple(max(0, min(20, level + draw.randint(-3, 3))) if level else 0 for _ in range(3))
+    curve = draw.choice([draw.randrange(199), draw.randrange(199), draw.choice(["linear", "srgb", "log", "s", "hlg", "gamma 1.4"])])
+    return Bracket(f"n{seed}", photo, stops, pedestal, curve, seed, draw.randint(80, 97), draw.choice([1500, 4000, 10000]),
+                   draw.choice([3, 8, 14]), 12, middle=draw.choice([0.1, 0.25, 0.45]), smooth=bool(draw.choice([0, 1])),
+                   toe=draw.choice([0, 0, 0.003]), pan=(draw.uniform(-5, 5), draw.uniform(-2, 2)))
+
+
+def part_of(panorama, first_column):
+    """What a camera sees around the horizon, with a sun that is not brighter than four times the rest."""
+    light = cv2.imread(str(panorama), cv2.IMREAD_UNCHANGED)[..., :3].astype(np.float32)
+    light = np.roll(light, -first_column, 1)[130:400, :512]
+    light = np.clip(light, 1e-5, np.percentile(light, 99.95) * 4)
+    return cv2.resize(light, None, fx=1.15, fy=1.15, interpolation=cv2.INTER_LINEAR)
+
+
+def scene_of(bracket, photos, panoramas):
     """The photograph's light [rows, cols, b g r], reduced so that a window leaves room for the pan."""
+    if "@" in bracket.photo:
+        name, first_column = bracket.photo.split("@")
+        return part_of(next(panoramas.glob(f"{name}*.hdr")), int(first_column))
     light = cv2.imread(str(photos / f"{bracket.photo}.exr"), cv2.IMREAD_UNCHANGED)[..., :3].astype(np.float32)
     light = np.maximum(light, 1e-5)
     factor = min(light.shape[1] / COLS, light.shape[0] / ROWS) * 0.62
@@ -137,9 +168,9 @@ def window(picture, corner):
                           borderMode=cv2.BORDER_REFLECT)
 
 
-def film(bracket, photos, responses, folder):
+def film(bracket, photos, panoramas, responses, folder):
     noise = np.random.default_rng(bracket.seed)
-    light, curves = scene_of(bracket, photos), curves_of(bracket, responses)
+    light, curves = scene_of(bracket, photos, panoramas), curves_of(bracket, responses)
     gain = bracket.middle / (3 * float(np.median(light[..., 1])))
     times = [2.0**stop for stop in bracket.stops]
     stills = [still(light * gain * time, bracket, curves, noise) for time in times]
@@ -168,15 +199,17 @@ def film(bracket, photos, responses, folder):
 
 
 def main():
-    if len(sys.argv) != 4 or sys.argv[1] in ("-h", "--help"):
+    arguments, seeds = sys.argv[1:5], sys.argv[5:]
+    if len(arguments) not in (3, 4) or (len(arguments) == 4) != bool(seeds) or not all(map(str.isdigit, seeds)):
         sys.exit(__doc__)
-    photos, responses, folder = pathlib.Path(sys.argv[1]), np.loadtxt(sys.argv[2], delimiter=","), pathlib.Path(sys.argv[3])
+    photos, responses, folder = pathlib.Path(arguments[0]), np.loadtxt(arguments[1], delimiter=","), pathlib.Path(arguments[2])
     if responses.shape != (201, 1024):
-        sys.exit(f"{sys.argv[2]}: {responses.shape} is not 201 responses of 1024 codes")
+        sys.exit(f"{arguments[1]}: {responses.shape} is not 201 responses of 1024 codes")
+    panoramas = pathlib.Path(arguments[3]) if seeds else None
     unusual = [Bracket(name, photo, stops, (0, 0, 0), curve, 8000 + i, 96, 6000, 5, 12, middle=0.25)
                for i, (name, curve, photo, stops) in enumerate(UNUSUAL)]
-    for bracket in [*CHOSEN, *drawn(), *unusual]:
-        film(bracket, photos, responses, folder)
+    for bracket in map(drawn_of, map(int, seeds)) if seeds else [*CHOSEN, *drawn(), *unusual]:
+        film(bracket, photos, panoramas, responses, folder)
 
 
 if __name__ == "__main__":
