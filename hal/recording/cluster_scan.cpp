@@ -148,7 +148,9 @@ Result<std::optional<std::uint64_t>> ClusterScan::other_file() {
   const std::size_t known = std::min(place.at, kOwnHead);
   const auto before = std::span(head).first(known);
   TRY(file_.read_at(place.at - known, before));
-  const auto begin = std::ranges::find_end(before, matroska::kFileHead).begin();
+  // not std::ranges::find_end: clang 14 does not compile it with the C++ library of GCC 12
+  const auto begin =
+      std::find_end(before.begin(), before.end(), matroska::kFileHead.begin(), matroska::kFileHead.end());
   if (begin == before.end()) return std::optional<std::uint64_t>();
   return std::optional(place.at - static_cast<std::uint64_t>(before.end() - begin));
 }
