@@ -71,14 +71,13 @@ class ExposureTables {
   // variance of a sample of a pixel with this `radiance`: the best current estimate, never the sample itself,
   // which would favour samples that noise made dark
   float variance(int channel, float radiance) const {
-    const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
-    return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
+    return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root_of(radiance))];
   }
   // What such processing hides of a texture, as variance of a sample of a pixel with this `radiance`: all of
   // a local `contrast` (variance of 3x3 pixels) that is small, and no more than some codes of a large one.
   float hidden_texture(int channel, float radiance, float contrast) const {
-    const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
-    const float most = hidden_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
+    const float most =
+        hidden_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root_of(radiance))];
     return contrast * most / (contrast + most + pass_constants::kTiny);
   }
   // The tables themselves, for kernels that look up on their own: radiance by code [kCodes], variance by
@@ -89,7 +88,7 @@ class ExposureTables {
   std::span<const float> hidden(int channel) const { return hidden_[static_cast<std::size_t>(channel)]; }
   // radiance -> code 0..255, clipped
   float code(int channel, float radiance) const {
-    const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
+    const float root = root_of(radiance);
     const auto i = static_cast<std::size_t>(root);
     const auto& table = code_[static_cast<std::size_t>(channel)];
     return table[i] + (table[i + 1] - table[i]) * (root - static_cast<float>(i));
@@ -97,6 +96,10 @@ class ExposureTables {
 
  private:
   static constexpr int kSegments = pass_constants::kSegments;  // uniform in sqrt(x)
+  // The place among the segments of a pixel with this `radiance`.
+  float root_of(float radiance) const {
+    return std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
+  }
   float exposure_, texture_error_ = 0, ringing_ = 0;
   VarianceExcess excess_;
   std::array<std::array<float, pass_constants::kCodes>, 3> radiance_{};
