@@ -1,23 +1,15 @@
 // When trigger pulses are due, and what is late.
 #include "capture/pulse_train.h"
 
-#include "tests/contracts/expect.h"
+#include "tests/capture/trigger_cycle.h"
 
 namespace hdrcam {
 namespace {
 
 using namespace std::chrono_literals;
 using Catch::Contains;
-
-constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
-
-ExposureSchedule schedule_of(std::span<const Exposure> cycle) {
-  return value_of(ExposureSchedule::observed(cycle));
-}
-
-TriggerOptions options_of(TriggerMode mode, Duration interval = 20ms) {
-  return {.mode = mode, .interval = interval};
-}
+using test::options_of;
+using test::schedule_of;
 
 DrivenEdge at(Instant instant) { return {instant, 0us}; }
 
@@ -29,14 +21,14 @@ TriggerPulse driven(PulseTrain& train, const PlannedPulse& planned, Duration lat
 }
 
 TEST_CASE("pulses come on a grid that does not drift, as wide as the exposures in turn") {
-  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(kCycle));
+  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(test::kTriggerCycle));
   const Instant first = Instant::from_seconds(5);
   train.start(first);
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const PlannedPulse planned = train.next(first + 20ms * static_cast<int>(i) + -1ms);
     REQUIRE(planned.number == i);
     REQUIRE(planned.begin == first + 20ms * static_cast<int>(i));
-    REQUIRE(planned.width == kCycle[i % 3].time);
+    REQUIRE(planned.width == test::kTriggerCycle[i % 3].time);
     const TriggerPulse pulse = driven(train, planned, 100us);
     REQUIRE(pulse.index == i);
     REQUIRE_FALSE(pulse.late);
@@ -44,13 +36,13 @@ TEST_CASE("pulses come on a grid that does not drift, as wide as the exposures i
 }
 
 TEST_CASE("pulses that only start frames all have the width that was asked for") {
-  PulseTrain train(options_of(TriggerMode::FrameStart), schedule_of(kCycle));
+  PulseTrain train(options_of(TriggerMode::FrameStart), schedule_of(test::kTriggerCycle));
   train.start(Instant::from_seconds(5));
   for (int i = 0; i < 4; ++i) CHECK(train.next(Instant::from_seconds(1)).width == 200us);
 }
 
 TEST_CASE("a pulse with an edge beyond the tolerance is late, whichever edge it is") {
-  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(kCycle));
+  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(test::kTriggerCycle));
   train.start(Instant::from_seconds(5));
   const Instant before = Instant::from_seconds(5);
   CHECK_FALSE(driven(train, train.next(before), 500us, 500us).late);
@@ -63,7 +55,7 @@ TEST_CASE("a pulse with an edge beyond the tolerance is late, whichever edge it 
 }
 
 TEST_CASE("a pulse that would meet the next one is left out, and the slots go on as if it had come") {
-  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(kCycle));
+  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(test::kTriggerCycle));
   const Instant first = Instant::from_seconds(5);
   train.start(first);
   (void)driven(train, train.next(first));
@@ -80,7 +72,7 @@ TEST_CASE("a pulse that would meet the next one is left out, and the slots go on
 }
 
 TEST_CASE("after a pulse that ended late, the next one waits for the gap") {
-  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(kCycle));
+  PulseTrain train(options_of(TriggerMode::PulseWidth), schedule_of(test::kTriggerCycle));
   const Instant first = Instant::from_seconds(5);
   train.start(first);
   (void)driven(train, train.next(first), 0us, 19ms + 500us);  // until 0.5 ms after the next was due
@@ -110,7 +102,7 @@ TEST_CASE("of the widest pulses none is left out, as late as their edges may be"
 }
 
 TEST_CASE("pulses that cannot be are refused with what to change") {
-  const ExposureSchedule schedule = schedule_of(kCycle);
+  const ExposureSchedule schedule = schedule_of(test::kTriggerCycle);
   const auto longer = PulseTrain::check(options_of(TriggerMode::PulseWidth, 16ms), schedule);
   require_error(longer, ErrorCode::BadExposure);
   CHECK_THAT(longer.error().message, Contains("pulse of 16 ms") && Contains("frame of 16 ms") &&

@@ -7,23 +7,15 @@
 #include "hal/fault/faulty_trigger_line.h"
 #include "hal/sim/simulated_trigger_line.h"
 #include "tests/allocation_checks.h"
-#include "tests/contracts/expect.h"
+#include "tests/capture/trigger_cycle.h"
 
 namespace hdrcam {
 namespace {
 
 using namespace std::chrono_literals;
 using Catch::Contains;
-
-constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
-
-ExposureSchedule schedule_of(std::span<const Exposure> cycle) {
-  return value_of(ExposureSchedule::observed(cycle));
-}
-
-TriggerOptions options_of(TriggerMode mode, Duration interval = 20ms) {
-  return {.mode = mode, .interval = interval};
-}
+using test::options_of;
+using test::schedule_of;
 
 // A trigger in virtual time, and the other end of its wire.
 struct Driven {
@@ -31,7 +23,7 @@ struct Driven {
       : trigger(std::make_unique<FaultyTriggerLine>(std::make_unique<SimulatedTriggerLine>(wire),
                                                     std::move(faults), clock),
                 options_of(mode), clock) {
-    require_done(trigger.start(schedule_of(kCycle)));
+    require_done(trigger.start(schedule_of(test::kTriggerCycle)));
   }
   VirtualClock clock;
   SimulatedWire wire{SimTime(clock)};
@@ -50,7 +42,7 @@ TEST_CASE("every pulse that is driven is seen on the wire, at the instants that 
     REQUIRE(drove);
     REQUIRE(pulse);
     REQUIRE(pulse->planned.number == static_cast<std::uint64_t>(i));
-    REQUIRE(pulse->width() == kCycle[i % 3].time);
+    REQUIRE(pulse->width() == test::kTriggerCycle[i % 3].time);
     REQUIRE_FALSE(pulse->late);
     REQUIRE(value_of(driven.seen.wait_edge(0us)).at == pulse->rise.at);
     REQUIRE(value_of(driven.seen.wait_edge(0us)).at == pulse->fall.at);
@@ -92,7 +84,7 @@ TEST_CASE(
   const TriggerThread thread(trigger);
   if (!thread.realtime()) CHECK_THAT(thread.realtime().error().message, Contains("ulimit -r 50"));
   for (int run = 0; run < 2; ++run) {
-    require_done(trigger.start(schedule_of(kCycle)));
+    require_done(trigger.start(schedule_of(test::kTriggerCycle)));
     std::vector<TriggerPulse> pulses;
     for (int i = 0; i < 2000 && pulses.size() < 12; ++i) {
       while (const auto pulse = trigger.take()) pulses.push_back(*pulse);
