@@ -77,17 +77,17 @@ DelayEstimate DelayCalibration::estimate() const {
   DelayEstimate estimate;
   estimate.comparisons = hits_[best] + misses_[best];
   estimate.confidence = 1 / evidence;
-  estimate.agreement = estimate.comparisons > 0 ? static_cast<double>(hits_[best]) / estimate.comparisons : 0;
+  estimate.agreed = hits_[best];
   if (estimate.comparisons < kEnough) {
     estimate.reason = fmt::format(
         "only {} of the {} required comparisons were possible: the scene is too dark, clipped "
         "or unsteady, or frames are lost",
         estimate.comparisons, int{kEnough});
-  } else if (1 - estimate.agreement > kMostMisses) {
+  } else if (1 - estimate.agreement() > kMostMisses) {
     estimate.reason = fmt::format(
         "no delay explains more than {:.0f} % of the pictures: the camera may ignore the control, "
         "or adjust itself",
-        100 * estimate.agreement);
+        100 * estimate.agreement());
   } else if (estimate.confidence < kSure) {
     estimate.reason = "two delays explain the pictures equally well";
   } else {

@@ -22,8 +22,10 @@ struct DelayEstimate {
   std::optional<int> delay;  // frames from the request's own frame to the frame that shows its exposure
   double confidence = 0;     // posterior probability, all delays being equally likely before
   int comparisons = 0;       // pairs of pictures that could be compared
-  double agreement = 0;      // share of them that the best delay explains
+  int agreed = 0;            // of them, those that the best delay explains
   std::string reason;        // one clause, where the delay is unknown
+
+  double agreement() const { return comparisons > 0 ? static_cast<double>(agreed) / comparisons : 0; }
 };
 
 class DelayCalibration {

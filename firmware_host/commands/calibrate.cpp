@@ -1,6 +1,7 @@
 // hdrcam calibrate delay --camera ID -o camera.toml: after how many frames the camera's controls act,
 // measured from its pictures.
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_toml.h"
 #include "firmware_host/terminal.h"
+#include "firmware_host/whole_percent.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -77,8 +79,10 @@ void print(const char* control, const DelayEstimate& estimate) {
   if (!estimate.delay)
     say("{}: unknown, {}\n", control, estimate.reason);
   else
-    say("{}: acts {} after its request ({:.0f} % of {} agree)\n", control, counted(*estimate.delay, "frame"),
-        100 * estimate.agreement, counted(estimate.comparisons, "comparison"));
+    say("{}: acts {} after its request ({} % of {} agree)\n", control, counted(*estimate.delay, "frame"),
+        whole_percent(static_cast<std::uint64_t>(estimate.agreed),
+                      static_cast<std::uint64_t>(estimate.comparisons)),
+        counted(estimate.comparisons, "comparison"));
 }
 
 Result<void> check_calibration(const std::string& what) {

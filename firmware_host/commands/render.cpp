@@ -1,5 +1,6 @@
 // hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording, or one that a run saved,
 // from another view, at another time, with another shutter or exposure.
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,6 +23,7 @@
 #include "firmware_host/sinks/run_record.h"
 #include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/terminal.h"
+#include "firmware_host/whole_percent.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
@@ -114,12 +116,13 @@ Result<void> admit(const Settings& settings, const FilmedRecording& recording, c
 
 // A view past all that was recorded is filmed all the same.
 void warn_of_view(const RunRecord& record, const Settings& settings) {
-  constexpr double kMostFromField = 0.9;
-  if (settings.fit.emit == EmitLayer::Field || record.film_from_field < kMostFromField) return;
+  constexpr std::uint64_t kMostFromField_percent = 90;
+  const std::uint64_t percent = whole_percent(record.film_pixels_from_field, record.film_pixels);
+  if (settings.fit.emit == EmitLayer::Field || percent < kMostFromField_percent) return;
   remark(
-      "warning: no recorded frame shows {:.0f} % of the film, which the field made up; take the view "
+      "warning: no recorded frame shows {} % of the film, which the field made up; take the view "
       "nearer to the recorded camera\n",
-      100 * record.film_from_field);
+      percent);
 }
 
 std::string as_flags(const FilmOptions& options) {

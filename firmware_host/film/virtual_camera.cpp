@@ -265,10 +265,9 @@ Result<void> VirtualCamera::film(const Show& show) {
   record.exposure_source = frame_.facts.exposure_source;
   record.verdict = frame_.facts.verdict;
   record.provenance_share = provenance_shares(frame_.provenance);
-  const auto pixels = static_cast<double>(frame_.provenance.size());
-  pixels_ += pixels;
-  filled_ +=
-      pixels * static_cast<double>(record.provenance_share[static_cast<std::size_t>(Provenance::Field)]);
+  pixels_ += frame_.provenance.size();
+  filled_pixels_ += static_cast<std::uint64_t>(
+      std::ranges::count(frame_.provenance.samples(), static_cast<std::uint8_t>(Provenance::Field)));
   ++shown_;
   return show(frame_, input_, record);
 }

@@ -4,6 +4,7 @@
 // as they are there. Or it takes a scene that was saved, all at once (scene_snapshot.h). Thread-bound.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -38,8 +39,9 @@ class VirtualCamera {
   // Whether all frames of the film were shown.
   bool done() const { return shown_ == plan_.frames; }
   int shown() const { return shown_; }
-  // The share of all pixels shown that came from the field.
-  double filled_share() const { return pixels_ > 0 ? filled_ / pixels_ : 0; }
+  // All pixels shown, and those of them that came from the field.
+  std::uint64_t pixels() const { return pixels_; }
+  std::uint64_t filled_pixels() const { return filled_pixels_; }
 
  private:
   struct ExposureInterval {  // of scene time; empty where it stands still, or the frame shows one instant
@@ -81,7 +83,7 @@ class VirtualCamera {
   HdrFrame frame_, instant_, left_;
   Image<float> sum_;
   int shown_ = 0;
-  double pixels_ = 0, filled_ = 0;
+  std::uint64_t pixels_ = 0, filled_pixels_ = 0;
 };
 
 }  // namespace hdrcam

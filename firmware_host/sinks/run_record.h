@@ -97,7 +97,8 @@ struct RunRecord {
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
   std::vector<ExposureCorrection> exposures;      // what pictures say about the stated ones
   std::vector<ScoreRow> scores;                   // empty without ground truth
-  double film_from_field = 0;                     // share of a film's pixels that no recorded frame shows
+  std::uint64_t film_pixels = 0;                  // of all frames of a film
+  std::uint64_t film_pixels_from_field = 0;       // those of them that no recorded frame shows
   std::vector<std::string> notes;  // remarks on the clip, such as what was switched off and why
 };
 

@@ -38,7 +38,7 @@ TEST_CASE("every delay from 0 to 6 frames is measured, whatever the response", "
   for (const SensorKind kind : {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8}) {
     for (int latency = 0; latency <= 6; ++latency) {
       const DelayEstimate estimate = measure({.kind = kind, .per_request = false, .latency = latency}, {});
-      CAPTURE(static_cast<int>(kind), latency, estimate.reason, estimate.agreement, estimate.comparisons);
+      CAPTURE(static_cast<int>(kind), latency, estimate.reason, estimate.agreement(), estimate.comparisons);
       CHECK(estimate.delay == latency);
       CHECK(estimate.confidence > 0.9999);
     }
@@ -61,7 +61,7 @@ TEST_CASE("a pan, unsteady light, cuts, lost frames and clipping do not mislead 
       settings.latency = latency;
       const DelayEstimate estimate = measure(settings, {.drop = 0.1});
       CAPTURE(latency, scene.pan_px, scene.light_walk, scene.cut, scene.key, estimate.reason,
-              estimate.agreement);
+              estimate.agreement());
       CHECK((!estimate.delay || *estimate.delay == latency));
       if (scene.cut == 0) CHECK(estimate.delay == latency);
     }
@@ -71,9 +71,9 @@ TEST_CASE("a pan, unsteady light, cuts, lost frames and clipping do not mislead 
 TEST_CASE("frames that arrive damaged use up their requests, and mislead nobody", "[capture]") {
   for (int latency = 0; latency <= 3; ++latency) {
     const DelayEstimate estimate = measure({.per_request = false, .latency = latency}, {.damage = 0.2});
-    CAPTURE(latency, estimate.reason, estimate.agreement);
+    CAPTURE(latency, estimate.reason, estimate.agreement());
     CHECK(estimate.delay == latency);
-    CHECK(estimate.agreement > 0.97);
+    CHECK(estimate.agreement() > 0.97);
   }
 }
 
