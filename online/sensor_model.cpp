@@ -130,30 +130,29 @@ void SensorModel::learn_noise(const ExposedFrame& older, const ExposedFrame& new
                                {gain_of(older), gain_of(newer)});
   if (noise_estimator_->pairs() >= kEager && noise_estimator_->pairs() % kEager != 0) return;
   noise_ = noise_estimator_->solve(assumed_noise_);
-  for (auto& [key, tables] : tables_)
-    tables.rebuild(response_, amplified(noise_, key.second), state_.residuals().excess(key.first));
+  for (auto& [key, tables] : tables_) tables = tables_at(key);
 }
 
 void SensorModel::take_over_residuals(const ExposedFrame& frame) {
-  tables_of(frame).rebuild(response_, amplified(noise_, gain_of(frame)),
-                           state_.residuals().excess(frame.exposure));
+  const ExposureAndGain key{frame.exposure, gain_of(frame)};
+  tables_.insert_or_assign(key, tables_at(key));
 }
 
 float SensorModel::gain_of(const ExposedFrame& frame) const {
   return static_cast<float>(frame.facts.gain() / reference_gain_);
 }
 
-ExposureTables& SensorModel::tables_of(const ExposedFrame& frame) {
-  const std::pair key{frame.exposure, gain_of(frame)};
-  const auto found = tables_.find(key);
-  if (found != tables_.end()) return found->second;
-  ExposureTables& tables =
-      tables_
-          .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
-                                       state_.residuals().excess(frame.exposure)))
-          .first->second;
+ExposureTables SensorModel::tables_at(const ExposureAndGain& at) const {
+  const auto& [exposure, gain] = at;
+  ExposureTables tables(response_, amplified(noise_, gain), exposure, state_.residuals().excess(exposure));
   tables.set_texture_error(texture_error_->share());
   return tables;
+}
+
+const ExposureTables& SensorModel::tables_for(const ExposedFrame& frame) {
+  const ExposureAndGain key{frame.exposure, gain_of(frame)};
+  const auto found = tables_.find(key);
+  return found != tables_.end() ? found->second : tables_.emplace(key, tables_at(key)).first->second;
 }
 
 }  // namespace hdrcam

@@ -61,7 +61,7 @@ class SensorModel {
   void take_over_residuals(const ExposedFrame& frame);
 
   // What the frame's codes mean. Valid until the next meet().
-  const ExposureTables& tables_for(const ExposedFrame& frame) { return tables_of(frame); }
+  const ExposureTables& tables_for(const ExposedFrame& frame);
 
   // --- what is known ---
   const Response& response() const { return response_; }
@@ -94,10 +94,13 @@ class SensorModel {
   bool blur_shown() const { return shown_blur_.shown(); }
 
  private:
+  using ExposureAndGain = std::pair<float, float>;
+
   void go_over_to(const ResponseEstimate& estimate);
   float gain_of(const ExposedFrame& frame) const;
   bool looks_closely(const ExposedFrame& frame) const;
-  ExposureTables& tables_of(const ExposedFrame& frame);
+  // By all that is known now.
+  ExposureTables tables_at(const ExposureAndGain& at) const;
 
   const NoiseKind noise_kind_;
   const BlurKind blur_kind_;
@@ -120,8 +123,8 @@ class SensorModel {
   const float texture_error_of_mosaic_;
   std::optional<TextureError> texture_error_;
   ShownBlur shown_blur_;
-  double reference_gain_ = 0;                                 // 0: no frame came yet
-  std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
+  double reference_gain_ = 0;  // 0: no frame came yet
+  std::map<ExposureAndGain, ExposureTables> tables_;
 };
 
 }  // namespace hdrcam
