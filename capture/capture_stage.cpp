@@ -134,8 +134,8 @@ void CaptureStage::collect_warnings() {
                                                 : "frames are labelled by their pictures alone"));
   if (black_.unreported())
     warnings_.push_back(fmt::format(
-        "the black level of '{}' is unknown and taken for 0; if it is higher, short exposures show "
-        "the shadows too bright; give --black-level, in codes of 255",
+        "the black level of '{}' is unknown and taken for 0 unless its frames state it; if it is higher, "
+        "short exposures show the shadows too bright; give --black-level, in codes of 255",
         offers.id));
 }
 
@@ -286,6 +286,10 @@ void CaptureStage::look_at(const Image<std::uint16_t>& codes, const std::optiona
 }
 
 void CaptureStage::judge(const CapturedBuffer& buffer, const MatchedFrame& matched, CapturedFrame& frame) {
+  if (black_.adopt(buffer.black_level)) {
+    photometer_.set_response(black_.first_response());
+    proof_.forget();
+  }
   const std::optional<BlackLevel>& black = black_.stated(buffer.black_level);
   look_at(frame.raw.codes, black);
   frame.proof = proof_.judge(matched.evidence, picture_, photometer_);

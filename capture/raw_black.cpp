@@ -15,6 +15,13 @@ PhotometricResponse RawBlack::first_response() const {
   return PhotometricResponse::before_any_fit(linear_, stated_);
 }
 
+bool RawBlack::adopt(const std::optional<BlackLevel>& with_frame) {
+  if (!most_ || !with_frame) return false;
+  stated_ = with_frame;
+  most_.reset();
+  return true;
+}
+
 std::optional<PhotometricResponse> RawBlack::narrow(const PhotometricSignature& picture) {
   constexpr float kNoise = 0.5f, kLeast = 1;  // codes of 255
   if (!most_ || *most_ <= kLeast) return std::nullopt;

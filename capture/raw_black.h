@@ -26,6 +26,9 @@ class RawBlack {
   }
   // Raw codes, and nobody states it.
   bool unreported() const { return linear_ && !stated_; }
+  // The first level that comes with a frame holds for all where nobody else states one and the response was
+  // not learned otherwise: then first_response() is another one. Whether this is it.
+  bool adopt(const std::optional<BlackLevel>& with_frame);
 
   // For the first pictures.
   PhotometricResponse first_response() const;

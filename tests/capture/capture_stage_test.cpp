@@ -303,6 +303,16 @@ TEST_CASE("a run of one exposure that nobody states says why every frame is unkn
   CHECK(account_of({.kind = SensorKind::Gamma8}, kOne).empty());  // its requests tell
 }
 
+TEST_CASE("a black level that comes with the frames proves as much as one of the table of sensors",
+          "[capture]") {
+  const SensorFaults faults{.drop = 0.05, .exposure_late = 0.05};
+  for (const double key : {0.05, 1.0}) {
+    const Tally of_table = run({.key = key}, faults, 3, 200);
+    const Tally with_frames = run({.states_black = true, .key = key}, faults, 3, 200);
+    CHECK(describe(with_frames) == describe(of_table));
+  }
+}
+
 TEST_CASE("the strobe proves what pictures cannot: a cycle of one, and a scene in the dark", "[capture]") {
   const CaptureOptions options{.strobe = StrobePulse::SpansExposure, .strobe_after_timestamp = 2ms};
   const SensorSettings dark{.strobe_offset = 2ms, .key = 1e-4};

@@ -7,6 +7,7 @@ namespace hdrcam::test {
 namespace {
 
 constexpr int kTexture = 512;
+constexpr float kRawBlack = 64;  // of 1023
 
 // Radiance of a large scene, periodic: value noise of five octaves, its logarithm about 2 wide.
 std::vector<float> make_texture(std::mt19937& random) {
@@ -46,7 +47,8 @@ MisbehavingCamera::MisbehavingCamera(const SensorSettings& settings, const Senso
   for (std::size_t i = 0; i < values_.size(); ++i)
     values_[i] = value_of(static_cast<float>(i) / static_cast<float>(values_.size() - 1));
   capabilities_.id = "model";
-  capabilities_.model = settings.kind == SensorKind::RawBayer10 ? "imx219" : "webcam";
+  const bool in_table = settings.kind == SensorKind::RawBayer10 && !settings.states_black;
+  capabilities_.model = in_table ? "imx219" : "webcam";
   capabilities_.exposure_min = Duration(10'000);
   capabilities_.exposure_max = Duration(33'000'000);
   capabilities_.exposure_step = Duration(10'000);
@@ -181,7 +183,7 @@ float MisbehavingCamera::value_of(float x) const {
 void MisbehavingCamera::paint(double product) {
   const auto scale = static_cast<float>(settings_.key * std::exp(light_) * product / 4e-3 * 0.25);
   const bool raw = settings_.kind == SensorKind::RawBayer10;
-  const float black = raw ? 64 : 0, most = raw ? 1023 : 255;
+  const float black = raw ? kRawBlack : 0, most = raw ? 1023 : 255;
   std::size_t noise = random_() & 0xffff, out = 0;
   for (int y = 0; y < settings_.height; ++y) {
     light_row(y, row_);
@@ -236,6 +238,7 @@ Result<CapturedBuffer> MisbehavingCamera::wait(Duration) {
     if (settings_.embedded) buffer.exposure_source = ExposureSource::Embedded;
   }
   before_ = controls;
+  if (settings_.states_black) buffer.black_level = BlackLevel::of_code(kRawBlack, 10);
   buffer.mode = mode_;
   buffer.pixels = pixels_;
   ++leased_;

@@ -47,6 +47,7 @@ struct SensorSettings {
   int latency = 0;          // frames: exposure
   int gain_latency = 0;
   bool reports = false, embedded = false;
+  bool states_black = false;        // each frame states the black level of its raw codes, and nobody else
   Duration kept_frame{33'333'333};  // from frame to frame, whatever was agreed
   Duration strobe_offset{0};        // of the pulse's rise against the timestamp
   double pan_px = 2;                // per frame
