@@ -29,10 +29,13 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 #include <cstring>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "hal/pixel_pack.h"
 #include "hal/real/buffer_slots.h"
 #include "hal/real/control_pacer.h"
+#include "hal/real/libcamera_black.h"
 #include "hal/real/libcamera_buffers.h"
 #include "hal/real/libcamera_formats.h"
 #include "hal/real/recent_stamp.h"
@@ -356,6 +359,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
     if (const auto skew_ns = metadata.get(lc::controls::draft::SensorRollingShutterSkew))
       buffer.readout = readout_of(Duration(*skew_ns), mode_.height, mode_.frame_duration);
+    if (const auto levels = metadata.get(lc::controls::SensorBlackLevels); levels && is_bayer(mode_.format))
+      buffer.black_level = black_level_of(std::span<const std::int32_t, 4>(levels->data(), levels->size()),
+                                          packed_format(mode_.format)->bits);
     buffer.mode = mode_, buffer.yuv = yuv_, buffer.stride = stride_;
     buffer.pixels = buffers_->memory(index);
     if (stride_ == 0 && !frame.planes().empty())
