@@ -7,6 +7,7 @@
 
 #include "hal/fault/faulty_gpu.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
+#include "tests/online/scene/hash_grid/field/learned_networks.h"
 #include "tests/online/scene/hash_grid/fit/window_fixture.h"
 #include "tests/support/cold_gpu.h"
 
@@ -18,28 +19,14 @@ namespace {
 
 constexpr int kRows = 24, kCols = 33, kFrames = 3;
 
-// A window with a field that has learned something: its tables and weights are far from their start.
+// A window with a field that has learned something.
 struct Scene {
   WindowFixture fixture{kRows, kCols, kFrames, true};
-  Pcg32 random{3};
   FieldNetworks<float> networks;
   int samples = 8;
   bool has_dynamic = true;
 
-  static FieldShape shape(Blend blend) {
-    FieldShape shape;
-    shape.static_grid = {4, 8, 1, 4, 16, 0.75f, 0.5f};
-    shape.dynamic_grid = {2, 8, kFrames + 1, 4, 12, 0.75f, 0.5f};
-    shape.hidden = 12;
-    shape.blend = blend;
-    return shape;
-  }
-  explicit Scene(Blend blend = Blend::DensitySum) : networks(shape(blend), random) {
-    for (auto* branch : {&networks.static_, &networks.dynamic}) {
-      for (float& value : branch->grid.tables().samples()) value *= 60;
-      for (float& value : branch->mlp.parameters()) value = 2 * value + random.uniform(-0.1f, 0.1f);
-    }
-  }
+  explicit Scene(Blend blend = Blend::DensitySum) : networks(learned_networks(blend, kFrames)) {}
   RadianceField field() const { return {fixture.window, networks, samples, has_dynamic}; }
   // From a place a little beside the frame's.
   ProbeView view(int frame, float offset) const {

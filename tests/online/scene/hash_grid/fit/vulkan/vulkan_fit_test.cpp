@@ -11,6 +11,7 @@
 #include "online/scene/hash_grid/field/vulkan/branch_layout.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/scene/hash_grid/fit/ray_shard.h"
+#include "tests/online/scene/hash_grid/field/learned_networks.h"
 #include "tests/online/scene/hash_grid/fit/window_fixture.h"
 
 #include "tests/support/checked_gpu.h"
@@ -22,16 +23,7 @@ namespace {
 constexpr int kRays = 64, kFrames = 3;
 constexpr std::uint64_t kSeed = 9, kStream = 40;
 
-FieldShape small_shape(Blend blend, int frames) {
-  FieldShape shape;
-  shape.static_grid = {4, 8, 1, 4, 16, 0.75f, 0.5f};
-  shape.dynamic_grid = {2, 8, frames + 1, 4, 12, 0.75f, 0.5f};
-  shape.hidden = 12;
-  shape.blend = blend;
-  return shape;
-}
-
-// A window, and a field far from its start: nearly all of its gradients differ from zero.
+// A window, and a field far from its start.
 struct Bench {
   WindowFixture scene{24, 33, kFrames, true};
   FieldNetworks<float> networks;
@@ -45,20 +37,12 @@ struct Bench {
   StepSums sums;
   std::unique_ptr<VulkanFit> there;
 
-  explicit Bench(GpuDevice& gpu, Blend blend = Blend::DensitySum) : networks(made(blend)) {
+  explicit Bench(GpuDevice& gpu, Blend blend = Blend::DensitySum)
+      : networks(learned_networks(blend, kFrames)) {
     // rays() may look for a neighbour beyond the last frame
     for (TrainingRay& ray : rays)
       if (const int n = neighbour_of(ray); n < 0 || n >= kFrames) ray.warps = false;
     there = value_of(VulkanFit::make(gpu, networks));
-  }
-  static FieldNetworks<float> made(Blend blend) {
-    Pcg32 random(3);
-    FieldNetworks<float> networks(small_shape(blend, kFrames), random);
-    for (auto* branch : {&networks.static_, &networks.dynamic}) {
-      for (float& value : branch->grid.tables().samples()) value *= 60;
-      for (float& value : branch->mlp.parameters()) value = 2 * value + random.uniform(-0.1f, 0.1f);
-    }
-    return networks;
   }
   template <class T>
   StepSetting<T> setting(const FieldNetworks<T>& of, const LearnedResponse<T>& curve) const {
@@ -94,7 +78,7 @@ struct Truth {
   double feature_energy = 0;
   std::vector<float> misfits;
 
-  explicit Truth(const Bench& bench) : networks(small_shape(bench.networks.blend, kFrames), random) {
+  explicit Truth(const Bench& bench) : networks(learned_shape(bench.networks.blend, kFrames), random) {
     for (auto [to, from] : {std::pair(&networks.static_, &bench.networks.static_),
                             {&networks.dynamic, &bench.networks.dynamic}}) {
       std::copy(from->grid.tables().samples().begin(), from->grid.tables().samples().end(),
