@@ -26,7 +26,7 @@ struct CaptureOptions {
   StreamMode mode{};  // wanted
   int buffers = 8;    // queued capture requests; fewer than 8 do not cover a pipeline's delay
   std::optional<ControlDelays> delays{};    // calibrated; default: the camera's or the sensor table's
-  std::optional<BlackLevel> black_level{};  // stated by the user; default for raw: the sensor table's
+  std::optional<BlackLevel> black_level{};  // the user's; default for raw: the camera's or the table's
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};  // of the edge that the timestamp belongs to (frame_matcher.h)
   std::optional<TimestampMark> timestamp_mark{};  // default: as the camera states it

@@ -100,7 +100,7 @@ std::vector<SettingField> camera_fields() {
       number<&Settings::camera, &C::black_level>(
           "camera.black_level", "--black-level",
           "black level of raw formats, in codes of 255 (the scale of 8 bits)", {0, 254, -1},
-          "from the table of sensors"),
+          "as the camera states it, or from the table of sensors"),
       choice<kGroup, &C::timestamp>(
           "camera.timestamp", "--timestamp",
           "what the timestamp marks: start or end of exposure, or what the driver reports",

@@ -38,7 +38,7 @@ struct Settings {
     double framerate_hz = 0;    // 0: the camera's default, or 30
     int buffers = 8;            // queued capture requests, 4..32
     std::string control_delay;  // "": as the driver reports; "2,1": frames, of exposure and gain
-    double black_level = -1;    // codes of 255, of raw formats; -1: from the table of sensors
+    double black_level = -1;    // codes of 255, of raw formats; -1: the camera's or the table's of sensors
     StampMeaning timestamp = StampMeaning::AsDriverSays;
     std::optional<YuvRange> yuv_range;            // none: as the camera states it
     ReplayPace pace = ReplayPace::AsFastAsAsked;  // of a replayed camera
