@@ -55,7 +55,7 @@ void count(RecordingSummary& summary, const FrameFacts& facts, const FrameFacts*
   }
   ++summary.verdicts[facts.verdict ? name(*facts.verdict) : kNotJudged];
   ++summary.sources[name(facts.exposure_source)];
-  if (before == nullptr) summary.black_level = facts.black_level;
+  if (!summary.black_level) summary.black_level = facts.black_level;
   summary.unproved += (facts.flags & kFrameExposureUnproved) != 0;
   summary.damaged += (facts.flags & kFrameDamaged) != 0;
   summary.with_pose += facts.T_world_camera.has_value();

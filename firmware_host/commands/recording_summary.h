@@ -23,7 +23,7 @@ struct RecordingSummary {
   std::uint64_t unproved = 0, damaged = 0, with_pose = 0;
   // Frames by the verdict on their exposure, and by the source of the exposure; zeros are left out.
   std::map<std::string, std::uint64_t> verdicts, sources;
-  std::optional<BlackLevel> black_level;  // as stated by the first frame
+  std::optional<BlackLevel> black_level;  // the first that a frame states
   Duration duration{0};                   // first to last centre of exposure, plus one frame
   // Products of time and gains, 0 where none is known.
   double shortest_exposure_s = 0, longest_exposure_s = 0;

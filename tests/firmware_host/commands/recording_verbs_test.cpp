@@ -425,6 +425,21 @@ TEST_CASE("info calls exposures with a gain products, and those without one time
   }
 }
 
+TEST_CASE("info shows the first black level that a frame states, though the first frame states none") {
+  const std::string path = sample::scratch_folder("info_black") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::BayerRggb, 10, 32, 16);
+  auto frames = sample::frames(camera, 3, 2);
+  frames[0].facts.black_level.reset();
+  frames[1].facts.black_level = BlackLevel::of_code(64, 10);
+  frames[2].facts.black_level = BlackLevel::of_code(80, 10);
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto summary = summarize(posix_storage(), path);
+  REQUIRE(summary.ok());
+  const std::string table = as_table(summary.value(), path);
+  INFO(table);
+  CHECK(table.find("15.95 codes of 255") != std::string::npos);
+}
+
 TEST_CASE("info counts what is there and what is missing") {
   const std::string path = sample::scratch_folder("info") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
