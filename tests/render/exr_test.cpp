@@ -219,6 +219,28 @@ TEST_CASE("a camera whose interval is a rounded thirtieth of a second counts its
       REQUIRE(time_code(n * interval, 1 / to_seconds(interval)) == TimeCode{0, 0, n / 60, n % 60 / 2});
 }
 
+TEST_CASE("a camera of 30 / 1.001 Hz counts thirty frames in each of its seconds, one of 24 / 1.001 Hz 24") {
+  for (const int hz : {24, 30, 60, 120}) {
+    const int frames_of_code = hz > 30 ? hz / 30 : 1;
+    for (const int n : {0, 1, 999 * hz, 3599 * hz + 7}) {
+      for (int frame = n; frame < n + 40 * hz; ++frame) {
+        const int second = frame / hz, count = frame % hz / frames_of_code;
+        const Duration time = from_seconds(frame * 1.001 / hz);
+        const TimeCode wanted{second / 3600, second / 60 % 60, second % 60, count};
+        INFO(hz << " / 1.001 Hz, frame " << frame);
+        REQUIRE(time_code(time, hz / 1.001) == wanted);
+        if (hz <= 30)
+          REQUIRE(time_code(std::chrono::round<std::chrono::milliseconds>(time), hz / 1.001) == wanted);
+      }
+    }
+  }
+  // an interval of whole microseconds
+  REQUIRE(time_code(from_seconds(29 * 0.033367), 1 / 0.033367) == TimeCode{0, 0, 0, 29});
+  REQUIRE(time_code(from_seconds(30 * 0.033367), 1 / 0.033367) == TimeCode{0, 0, 1, 0});
+  // what is only near such a rate goes by the clock
+  REQUIRE(time_code(from_seconds(1), 29.9) == TimeCode{0, 0, 1, 0});
+}
+
 TEST_CASE("an OpenEXR file cut anywhere is an error, never a crash or a picture") {
   const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
   for (const auto compression :
