@@ -53,8 +53,9 @@ struct ExrAttributes {
   std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
   std::optional<Chromaticities> chromaticities;  // chromaticities
   std::optional<TimeCode> time_code;             // timeCode
-  std::optional<PoseMatrix> T_world_camera;      // worldToCamera holds its inverse, transposed (row vectors)
-  std::string owner, comments;                   // owner, comments; empty: not written
+  // worldToCamera holds its inverse, transposed (row vectors), of a camera with OpenEXR's axes, where y is up
+  std::optional<PoseMatrix> T_world_camera;
+  std::string owner, comments;  // owner, comments; empty: not written
   // Attributes outside the standard, each named "hdrcam.", with the value as text.
   std::map<std::string, std::string> texts;
 };

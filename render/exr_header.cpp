@@ -14,22 +14,28 @@
 namespace hdrcam {
 namespace {
 
-// OpenEXR multiplies row vectors from the left, p_camera = p_world * m: m is the transpose of T_camera_world.
+// OpenEXR's camera has x right, y up and z forward, of ours y is down (ImfStandardAttributes.h).
+constexpr double kSignOfAxis[3] = {1, -1, 1};
+
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * m: but for the sign of y, m is the
+// transpose of T_camera_world.
 Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
   const RigidTransform T_camera_world = transform_of(T_world_camera).inverse();
   Imath::M44f m;
-  for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k < 3; ++k) m[k][row] = static_cast<float>(T_camera_world.R(row, k));
-    m[3][row] = static_cast<float>(T_camera_world.t[row] + 0.0);  // never -0
+  for (int axis = 0; axis < 3; ++axis) {  // + 0.0: never -0
+    for (int k = 0; k < 3; ++k)
+      m[k][axis] = static_cast<float>(kSignOfAxis[axis] * T_camera_world.R(axis, k) + 0.0);
+    m[3][axis] = static_cast<float>(kSignOfAxis[axis] * T_camera_world.t[axis] + 0.0);
   }
   return m;
 }
 
 PoseMatrix world_from_camera(const Imath::M44f& m) {
   RigidTransform T_camera_world;
-  for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k < 3; ++k) T_camera_world.R(row, k) = static_cast<double>(m[k][row]);
-    T_camera_world.t[row] = static_cast<double>(m[3][row]);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k)
+      T_camera_world.R(axis, k) = kSignOfAxis[axis] * static_cast<double>(m[k][axis]);
+    T_camera_world.t[axis] = kSignOfAxis[axis] * static_cast<double>(m[3][axis]);
   }
   return pose_matrix_of(T_camera_world.inverse());
 }

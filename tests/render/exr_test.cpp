@@ -163,6 +163,25 @@ TEST_CASE("the facts of a frame are readable back from its OpenEXR picture") {
     REQUIRE((*b.T_world_camera)[i] == Approx((*a.T_world_camera)[i]).margin(1e-6));
 }
 
+TEST_CASE("worldToCamera takes a point to the axes of OpenEXR's camera: right, up, forward") {
+  const Image<float> plane = ramp(0, 1);
+  ExrPicture picture = picture_of(plane, plane);
+  // turned to the right by a quarter: it looks along the world's x
+  picture.attributes.T_world_camera = PoseMatrix{0, 0, 1, 10, 0, 1, 0, 20, -1, 0, 0, 30};
+  const std::vector<std::byte> bytes = value_of(encode_exr(picture));
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view kName("worldToCamera\0m44f\0\x40\0\0\0", 23);
+  const std::size_t found = text.find(kName);
+  REQUIRE(found != std::string_view::npos);
+  std::array<std::array<float, 4>, 4> m{};
+  std::memcpy(m.data(), bytes.data() + found + kName.size(), sizeof m);
+  const std::array<float, 4> p_world{15, 18, 29, 1};  // 5 ahead, 2 above, 1 to the right; y is down
+  std::array<float, 4> p_camera{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < 4; ++k) p_camera[i] += p_world[k] * m[k][i];
+  CHECK(p_camera == std::array<float, 4>{1, 2, 5, 1});
+}
+
 TEST_CASE("an OpenEXR picture states the nominal rate of a camera whose interval is rounded") {
   const Image<float> plane = ramp(0, 1);
   ExrPicture picture = picture_of(plane, plane);
