@@ -86,7 +86,7 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
       "hdrcam {}; frame {}; radiance 1 saturates the reference exposure{}; this frame's exposure is "
       "{:.6g} of it",
       kVersion, facts.sequence,
-      facts.has_exposure_time() ? fmt::format(" {:.6g} s", frame.reference_exposure)
+      facts.has_exposure_time() ? fmt::format(" {:.6g} s at gain 1", frame.reference_exposure)
                                 : ", which is estimated: no time is known",
       frame.exposure);
   return attributes;
