@@ -1,7 +1,7 @@
 // From scene-linear radiance to 8-bit display codes: one global curve, the same for each channel, so that
 // bright colours saturate to white as on film.
 //   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),   w = kKey white / mid,   code = 255 sRGB(min(y, 1))
-// (Reinhard et al. 2002, eq. 3 and 4).
+// (Reinhard et al. 2002, eq. 2 and 4).
 // `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame:
 // ToneAdaptation sets it from the first frame and then changes it by at most a hundredth of a stop per frame,
 // so a static scene is shown without flicker for any exposure schedule.
