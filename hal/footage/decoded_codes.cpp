@@ -13,14 +13,18 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
-constexpr int kHighDefinition_px = 720;  // rows from which untagged video is BT.709, as players take it
-
 int rounded_up(int value, int shift) { return (value + (1 << shift) - 1) >> shift << shift; }
+
+// What players (mpv, libplacebo) take for it, and so for BT.709, where a video states no matrix.
+bool is_high_definition(const AVFrame& frame) {
+  constexpr int kLeastWidth_px = 1280, kMostStandardRows = 576;
+  return frame.width >= kLeastWidth_px || frame.height > kMostStandardRows;
+}
 
 int matrix_of(const AVFrame& frame, AVCodecID codec) {
   if (frame.colorspace != AVCOL_SPC_UNSPECIFIED) return frame.colorspace;
   if (codec == AV_CODEC_ID_MJPEG) return h273::kMatrixBt601;  // JFIF
-  return frame.height >= kHighDefinition_px ? h273::kMatrixBt709 : h273::kMatrixBt601;
+  return is_high_definition(frame) ? h273::kMatrixBt709 : h273::kMatrixBt601;
 }
 
 bool is_full_range(const AVFrame& frame) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
 
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
@@ -151,6 +152,23 @@ TEST_CASE("a video of eight bits comes as RGB of ten, its frames within a code o
     CHECK(frame.facts.timestamp.seconds() == Approx(i / 30.0).margin(1e-6));
     CHECK(frame.facts.sequence == static_cast<std::uint64_t>(i));
     CHECK(frame.facts.exposure_source == ExposureSource::Unknown);
+  }
+}
+
+TEST_CASE("a video that states no matrix is BT.601 up to 576 rows of less than 1280 pixels, else BT.709") {
+  const std::string path = sample::scratch_folder("footage_untagged") + "/x.y4m";
+  constexpr double kRed601 = 1.1644 * (128 - 16) + 1.5960 * (180 - 128),
+                   kRed709 = 1.1644 * (128 - 16) + 1.7927 * (180 - 128);
+  for (const auto& [width, height, red] :
+       {std::tuple(64, 576, kRed601), {1278, 4, kRed601}, {64, 578, kRed709}, {1280, 4, kRed709}}) {
+    const auto pixels = static_cast<std::size_t>(width * height);
+    std::ofstream(path, std::ios::binary)
+        << fmt::format("YUV4MPEG2 W{} H{} F30:1 Ip A1:1 C444\nFRAME\n", width, height)
+        << std::string(pixels, '\x80') << std::string(pixels, '\x80') << std::string(pixels, '\xb4');
+    const Read untagged = read({path});
+    INFO(width << "x" << height);
+    REQUIRE(untagged.frames.size() == 1);
+    CHECK(untagged.frames.front().codes.at(0, 1, 1) / 1023.0 * 255 == Approx(red).margin(0.2));
   }
 }
 
