@@ -35,26 +35,23 @@ int SampleResiduals::slot_of(float exposure) {
   return static_cast<int>(std::lround(2 * std::log2(exposure)));
 }
 
-void SampleResiduals::observe(const RadianceEstimate& predicted, const Samples& samples,
-                              const Image<float>& confidence, const ExposureTables& tables,
-                              float unseen_variance, WorkerPool& pool) {
+void SampleResiduals::observe(const Seen& predicted, const Image<float>& confidence, WorkerPool& pool) {
   begin();
-  VarianceExcess& slot = excess_[slot_of(tables.exposure())];
+  VarianceExcess& slot = excess_[slot_of(predicted.tables.exposure())];
   pool.for_each(3, [&](int channel) {
-    take_all(channel, predicted, samples, confidence, tables, unseen_variance);
+    take_all(channel, predicted, confidence);
     learn(static_cast<std::size_t>(channel), slot);
   });
 }
 
-void SampleResiduals::take_all(int c, const RadianceEstimate& predicted, const Samples& samples,
-                               const Image<float>& confidence, const ExposureTables& tables,
-                               float unseen_from) {
+void SampleResiduals::take_all(int c, const Seen& predicted, const Image<float>& confidence) {
+  const auto& [state, samples, tables, unseen_from] = predicted;
   const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
-  const int rows = predicted.radiance.rows(), cols = predicted.radiance.cols();
+  const int rows = state.radiance.rows(), cols = state.radiance.cols();
   for (int y = 1, step = how.line_step_px(rows, cols); y < rows - 1; y += step) {
-    const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
-    const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
+    const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y);
+    const float *up = state.radiance.row(c, y - 1), *down = state.radiance.row(c, y + 1);
     const float *r = samples.radiance.row(c, y), *w = samples.weight.row(c, y);
     const float* blur = samples.blur_row(c, y);
     const float* trust = confidence.row(0, y);

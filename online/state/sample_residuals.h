@@ -12,7 +12,6 @@
 #include "online/pictures/flow_field.h"
 #include "online/state/exposure_tables.h"
 #include "online/state/fusion.h"
-#include "online/state/radiance_state.h"
 
 namespace hdrcam {
 
@@ -34,10 +33,9 @@ class SampleResiduals {
  public:
   SampleResiduals();
 
-  // predicted: the state carried to the frame, before its samples are fused.
-  // unseen_variance: from which on a pixel of it counts as unseen.
-  void observe(const RadianceEstimate& predicted, const Samples& samples, const Image<float>& confidence,
-               const ExposureTables& tables, float unseen_variance, WorkerPool& pool);
+  // predicted: the state carried to the frame, before its samples are fused. confidence: [1, rows, cols] of
+  // the flow along which it was carried.
+  void observe(const Seen& predicted, const Image<float>& confidence, WorkerPool& pool);
 
   // The same in three steps, for callers that select the pixels themselves (kResidualSampling): start a
   // frame, add each selected pixel in a fixed order, learn the frame's excess.
@@ -52,8 +50,7 @@ class SampleResiduals {
 
  private:
   static int slot_of(float exposure);
-  void take_all(int channel, const RadianceEstimate& predicted, const Samples& samples,
-                const Image<float>& confidence, const ExposureTables& tables, float unseen_from);
+  void take_all(int channel, const Seen& predicted, const Image<float>& confidence);
   void learn(std::size_t channel, VarianceExcess& slot);
 
   // From the current frame: at most kCapacity of its pixels, picked evenly.

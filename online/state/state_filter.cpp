@@ -34,8 +34,9 @@ void StateFilter::advance(const StateInput& input, const FlowField& to_previous)
                           {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(input, to_previous);
-  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, unseen_variance, pool_);
-  fusion_.update({predicted_, samples_, tables, unseen_variance}, nullptr, nullptr, state_, state_.own_share);
+  const Seen seen{predicted_, samples_, tables, unseen_variance};
+  residuals_.observe(seen, to_previous.confidence, pool_);
+  fusion_.update(seen, nullptr, nullptr, state_, state_.own_share);
 }
 
 void StateFilter::predict(const StateInput& input, const FlowField& to_previous) {

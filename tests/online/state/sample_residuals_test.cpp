@@ -29,7 +29,7 @@ TEST_CASE(
   const auto see = [&](float offset, int frames) {
     samples.radiance.fill(kRadiance + offset);
     for (int i = 0; i < frames; ++i) {
-      residuals.observe(predicted, samples, confidence, tables, unseen_variance_from(4), pool);
+      residuals.observe({predicted, samples, tables, unseen_variance_from(4)}, confidence, pool);
       tables.rebuild(response, noise, residuals.excess(1));
     }
   };
