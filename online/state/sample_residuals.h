@@ -26,6 +26,12 @@ struct ResidualSampling {
   int line_step_px(int rows, int cols) const {
     return stride_px * std::max(1, rows * cols / (stride_px * stride_px) / 9600);
   }
+  // How many lines of a picture of at least 3x3 pixels are looked at, and how many pixels of each.
+  int lines(int rows, int cols) const {
+    const int step = line_step_px(rows, cols);
+    return (rows - 2 + step - 1) / step;
+  }
+  int pixels_of_line(int cols) const { return (cols - 2 + stride_px - 1) / stride_px; }
 };
 inline constexpr ResidualSampling kResidualSampling;
 

@@ -76,7 +76,8 @@ class StatePasses {
             const GpuPicture& contrast) const;
   // StateFilter's growth of the variance, Fusion::warp_variance in it
   void age(const GpuSeen& seen, const GpuMoved& moved, const GpuPicture& gate) const;
-  // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, (rows - 1) / 2, (cols - 1) / 2]
+  // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, lines, pixels of a line] of
+  // kResidualSampling
   void residuals(const GpuSeen& seen, const GpuPicture& motion, const GpuPicture& found) const;
   // Fusion::update with a frame's own samples
   void update(const GpuSeen& seen, const PassRoom& room, const GpuPicture& share,

@@ -23,7 +23,6 @@ void download_both(GpuWork& work, const GpuPicture& both, Image<float>& first, I
 Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const StateOptions& options, int rows,
                                                   int cols) {
   const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
-  const int lines = kResidualSampling.line_step_px(rows, cols);
   Room room;
   room.passes = TRY(StatePasses::make(device, options));
   room.tables = TRY(GpuTables::make(device));
@@ -40,8 +39,9 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
   room.contrast = TRY(picture(3));
   room.gate = TRY(picture(1));
   room.share = TRY(picture(1));
-  room.residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 2 + lines - 1) / lines),
-                                        std::max(1, (cols - 1) / 2)));
+  room.residuals =
+      TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, kResidualSampling.lines(rows, cols)),
+                           std::max(1, kResidualSampling.pixels_of_line(cols))));
   for (HeldCodes& held : room.held) held.codes = TRY(picture(3));
   return room;
 }
