@@ -9,12 +9,15 @@
 namespace hdrcam {
 namespace {
 
-// neighbours that differ more lie on two surfaces and are not interpolated
-constexpr float kContinuous_px = 1.5f;
+// Neighbouring grid points, a step apart, are on two surfaces where their places in a keyframe are so many
+// steps farther apart; values between them are not interpolated.
+constexpr float kContinuous_steps = 1.5f;
 constexpr float kContinuousDepth = 0.15f;  // the same for inverse depths, relative
 constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: nearer points are not visible
 constexpr float kDisagreement = 9;         // squared sigmas between the learnt and the measured depth
 constexpr float kNoBaseline2 = 1e-12f;     // squared shift per inverse depth that only rounding makes
+constexpr float kNoTranslation = 1e-6f;    // units of length of the poses: only rounding makes it
+constexpr float kLeastInverse = 1e-6f;     // keeps the uncertainty of the farthest points above 0
 
 // How many times less two estimates that differ so much count, by their information: Cauchy's weight.
 float doubt_of(float difference, float measured, float learnt) {
@@ -34,7 +37,7 @@ struct MultiViewDepth::Relative {
       t[i] = static_cast<float>(T.t(i));
     }
   }
-  bool moves() const { return std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])}) > 1e-6f; }
+  bool moves() const { return std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])}) > kNoTranslation; }
   void turn(float x, float y, float out[3]) const {
     for (int i = 0; i < 3; ++i) out[i] = R[i][0] * x + R[i][1] * y + R[i][2];
   }
@@ -134,7 +137,8 @@ void MultiViewDepth::carry_position(Keyframe& keyframe, const GridPlace& from, i
   if (!(keyframe.seen.at(2, near_y, near_x) > 0)) return;
   const Corners u = corners(keyframe.seen, 0, from), v = corners(keyframe.seen, 1, from);
   const bool all_known = corners(keyframe.seen, 2, from).least() > 0;
-  const bool one_surface = all_known && u.spread() < 1 + kContinuous_px && v.spread() < 1 + kContinuous_px;
+  const bool one_surface =
+      all_known && u.spread() < 1 + kContinuous_steps && v.spread() < 1 + kContinuous_steps;
   keyframe.carried.at(0, y, x) =
       one_surface ? u.mix(from) : keyframe.seen.at(0, near_y, near_x) + from.x() - static_cast<float>(near_x);
   keyframe.carried.at(1, y, x) =
@@ -239,7 +243,7 @@ void MultiViewDepth::retire(const Keyframe& keyframe) {
         float &learnt = learnt_.at(0, y, x), &known = learnt_.at(1, y, x);
         if (known > 0) known /= doubt_of(seen.inverse_depth - learnt, seen.information, known);
         learnt = (learnt * known + seen.inverse_depth * seen.information) / (known + seen.information);
-        const float best = options_.best_relative * std::max(learnt, 1e-6f);
+        const float best = options_.best_relative * std::max(learnt, kLeastInverse);
         known = std::min(known + seen.information, 1 / (best * best));
       }
   });

@@ -50,7 +50,7 @@ class MultiViewDepth final : public DepthPrior {
  private:
   struct Keyframe {
     RigidTransform T_world_camera;
-    Image<float> seen;     // [x y known, rows, cols]: where this grid point was in the keyframe, px
+    Image<float> seen;     // [x y known, rows, cols]: where this grid point was in the keyframe, grid steps
     Image<float> carried;  // the same of the next frame, borrowed meanwhile
     int age = 0;           // frames
   };
