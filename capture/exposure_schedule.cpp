@@ -10,12 +10,6 @@
 namespace hdrcam {
 namespace {
 
-// The multiple of `period`, at least one, that is nearest to `time` and no longer than `longest`.
-Duration nearest_multiple(Duration time, Duration period, Duration longest) {
-  const auto multiples = std::max<Duration::rep>(1, (time + period / 2) / period);
-  return std::min(multiples, std::max<Duration::rep>(1, longest / period)) * period;
-}
-
 Result<void> check_slots(std::span<const Exposure> cycle) {
   if (!cycle.empty() && cycle.size() <= ExposureSchedule::kMaxSlots) return {};
   return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
@@ -73,6 +67,11 @@ bool lasts(Duration exposure, Duration half_period) {
   return to_seconds(exposure) >= kRounding * to_seconds(half_period);
 }
 
+Duration whole_half_periods(Duration time, Duration half_period, Duration longest) {
+  const auto nearest = std::max<Duration::rep>(1, (time + half_period / 2) / half_period);
+  return std::min(nearest, std::max<Duration::rep>(1, longest / half_period)) * half_period;
+}
+
 // Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where a step of the control is not a line
 // but a coarse unit (UVC counts in 100 us), 48 steps would be far too much.
 Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
@@ -95,7 +94,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
     if (half > Duration(0)) {
       const Duration longest = std::min(frame_duration - margin, camera.exposure_max);
       slot.flickers = !lasts(asked.time, half) || longest < half;
-      if (!slot.flickers) slot.exposure.time = nearest_multiple(asked.time, half, longest);
+      if (!slot.flickers) slot.exposure.time = whole_half_periods(asked.time, half, longest);
     }
     slot.exposure = TRY(quantised(slot.exposure, camera));
     exposures.push_back(slot.exposure);

@@ -18,6 +18,8 @@ enum class Mains { Off, Hz50, Hz60 };
 Duration half_period(Mains mains);
 // Whether an exposure lasts at least so long, but for its rounding to the sensor's lines.
 bool lasts(Duration exposure, Duration half_period);
+// The nearest time of whole half periods, as many as `longest` holds, at least one.
+Duration whole_half_periods(Duration time, Duration half_period, Duration longest);
 
 // Invalid for a cycle of several exposures that are all the same: the proof cannot tell them apart, and they
 // give no HDR.

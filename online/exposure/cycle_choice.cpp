@@ -1,6 +1,6 @@
 #include "online/exposure/cycle_choice.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -113,10 +113,10 @@ std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, dou
 std::optional<Duration> CycleChoice::fitted_time(std::size_t slot, Duration time) const {
   constexpr double kHalfStop = std::numbers::sqrt2;
   if (const Duration half = half_period(limits_.mains); half > Duration(0)) {
-    const bool steady = lasts(limits_.cycle[slot].time, half);
-    const auto wanted = std::max<Duration::rep>(1, (time + half / 2) / half);
-    if (steady) time = std::min(wanted, std::max<Duration::rep>(1, limits_.longest / half)) * half;
-    if (!steady && time >= half) return std::nullopt;
+    if (lasts(limits_.cycle[slot].time, half))
+      time = whole_half_periods(time, half, limits_.longest);
+    else if (time >= half)
+      return std::nullopt;
   }
   if (time > limits_.longest && to_seconds(time) < kHalfStop * kRounding * to_seconds(limits_.longest))
     time = limits_.longest;

@@ -82,6 +82,15 @@ TEST_CASE("a coarse exposure unit is not mistaken for a line", "[capture]") {
   CHECK(ExposureSchedule::frame_margin(webcam) == 1ms);
 }
 
+TEST_CASE("a time becomes the nearest of whole half periods, as many as fit, and never none", "[capture]") {
+  constexpr Duration kHalf = 10ms;
+  CHECK(whole_half_periods(14ms, kHalf, 33ms) == 10ms);
+  CHECK(whole_half_periods(16ms, kHalf, 33ms) == 20ms);
+  CHECK(whole_half_periods(1s, kHalf, 33ms) == 30ms);
+  CHECK(whole_half_periods(1ms, kHalf, 33ms) == kHalf);
+  CHECK(whole_half_periods(1ms, kHalf, 4ms) == kHalf);
+}
+
 TEST_CASE("under mains light exposures become whole half periods, and short ones are flagged", "[capture]") {
   constexpr Exposure kIndoor[] = {{2ms, 1}, {9900us, 1}, {16ms, 1}, {26ms, 1}};
   const auto schedule = ExposureSchedule::create(kIndoor, sensor(), k30Hz, Mains::Hz50);
