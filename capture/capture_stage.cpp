@@ -154,7 +154,6 @@ Result<void> CaptureStage::start() {
   restart_matching();
   TRY(camera_.start());
   TRY(requests_.fill(*matcher_, options_.buffers));
-  counters_.requests_late = 0;
   return trigger_.start(schedule_);
 }
 
