@@ -45,8 +45,9 @@ class CaptureStage {
  public:
   // Configures the camera and checks the cycle against the capabilities that it then has. A camera that sets
   // its exposures itself (a replayed one) brings its own cycle, which replaces the given one. `strobe` may be
-  // null. Errors: the camera's own, and those of ExposureSchedule::create. The camera, the line and this
-  // stage belong to one thread.
+  // null. Errors: the camera's own, and those of ExposureSchedule::create and PulseTrain::check; Unsupported
+  // for a camera that sets its exposures itself and follows no cycle, or would be triggered; Invalid for
+  // control delays that are out of range. The camera, the line and this stage belong to one thread.
   static Result<std::unique_ptr<CaptureStage>> open(Camera& camera, SyncLine* strobe,
                                                     std::span<const Exposure> cycle, Mains mains,
                                                     const CaptureOptions& options);

@@ -25,16 +25,16 @@ void CaptureCounters::count(const Judgement& judgement) {
   relabelled += judgement.relabelled;
 }
 
-std::string proof_of(const CaptureCounters& camera) {
-  std::string text = fmt::format("exposures: {} proved, {} plausible, {}{} contradicted, {} unknown",
-                                 camera.proved, camera.plausible,
-                                 camera.estimated > 0 ? fmt::format("{} estimated, ", camera.estimated) : "",
-                                 camera.contradicted, camera.unknown);
-  if (camera.pulses_forgotten > 0)
+std::string proof_of(const CaptureCounters& counters) {
+  std::string text = fmt::format(
+      "exposures: {} proved, {} plausible, {}{} contradicted, {} unknown", counters.proved,
+      counters.plausible, counters.estimated > 0 ? fmt::format("{} estimated, ", counters.estimated) : "",
+      counters.contradicted, counters.unknown);
+  if (counters.pulses_forgotten > 0)
     text += fmt::format("; frames taken too late for their strobe or trigger pulses: {}",
-                        camera.pulses_forgotten);
-  if (camera.controls_late > 0)
-    text += fmt::format("; frames whose exposure was written late: {}", camera.controls_late);
+                        counters.pulses_forgotten);
+  if (counters.controls_late > 0)
+    text += fmt::format("; frames whose exposure was written late: {}", counters.controls_late);
   return text;
 }
 

@@ -40,9 +40,9 @@ class ExposureSchedule {
   };
 
   // Exposures of at least a mains half period are moved to the nearest multiple that fits the frame, shorter
-  // ones are kept and flagged. Errors: Invalid for no slot or more than four; BadExposure outside the
-  // sensor's range, or for an exposure too long for the frame, naming one that fits, and a rate where the
-  // sensor can expose that long.
+  // ones are kept and flagged. Errors: Invalid for no slot or more than four, or where they become the same
+  // (check_distinct); BadExposure outside the sensor's range, or for an exposure too long for the frame,
+  // naming one that fits, and a rate where the sensor can expose that long.
   static Result<ExposureSchedule> create(std::span<const Exposure> cycle, const CameraCapabilities& camera,
                                          Duration frame_duration, Mains mains = Mains::Off);
 

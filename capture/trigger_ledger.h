@@ -67,8 +67,9 @@ class TriggerLedger {
   TriggerCounters counters_;
 };
 
-// Returns text like "trigger 'FSYNC' (pulse width): 300 pulses, 2 late, 0 left out; edges 12 us off on
-// average, 99 % within 45 us, at most 310 us; 299 answered, 1 not (pulse 17), 0 answers without a pulse".
+// Returns text like "trigger 'FSYNC' (pulse width): 300 pulses, 2 late (more than 500 us), 0 left out; edges
+// 12 us off on average, 99 % within 45 us, at most 610 us; 299 answered, 1 not (pulse 17), 0 answers without
+// a pulse". listens: on the strobe line; without it nothing is said of answers.
 std::string sentence_of(const TriggerCounters& counters, const std::string& line,
                         const TriggerOptions& options, bool listens);
 

@@ -1,4 +1,4 @@
-// What stated exposures are off: cameras round shutter times to nominal ones. Value type, thread-compatible.
+// What stated exposures are off: cameras round shutter times to nominal ones. Value type, reentrant.
 #pragma once
 
 #include <map>

@@ -61,9 +61,9 @@ class ResponseEstimator {
   // noise tells; where frames do not show that either, the mean of real cameras.
   int pairs() const { return matches_.pairs(); }
 
-  // Takes 50 to 100 ms of one thread, the more levels are tried. `noise` gives the uncertainty of the codes.
-  // Every model has the black level of the curve. pool: whose threads take a channel each; null for the
-  // calling thread alone.
+  // Takes 50 to 100 ms of one thread, longer the more black levels are tried. `noise` gives the uncertainty
+  // of the codes. Every model has the black level of the curve. pool: whose threads take a channel each; null
+  // for the calling thread alone.
   ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve,
                             WorkerPool* pool = nullptr) const;
 
