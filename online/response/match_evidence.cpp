@@ -6,37 +6,38 @@
 
 #include "capture/clip_policy.h"
 #include "capture/exposed_frame.h"
-#include "online/response/shared_unknowns.h"
 
 namespace hdrcam {
+namespace {
+
+// Variance of g where a code is matched: of its quantisation and of its noise.
+double variance_of(const Knots& code, const Eigen::VectorXd& g, const MatchNoise& noise) {
+  constexpr int kFullKnot = 250;  // code 251: its light is 1 for the noise
+  constexpr double kWidened = 2;  // how far noise that widens a histogram moves its quantiles
+  const double slope = code.slope(g), x = std::exp(code.of(g) - g[kFullKnot]);
+  const double relative = static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
+  return slope * slope / 12 + 0.5 * relative + (noise.is_own ? kWidened * relative * relative : 0);
+}
+
+}  // namespace
 
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
-                          const MatchNoise& noise, const Eigen::VectorXd& g, const std::vector<int>& keys,
-                          const Eigen::VectorXd& shared, CurveSquares& squares) {
-  constexpr int kFullKnot = 250;  // code 251: its light is 1 for the noise
+                          const MatchNoise& noise, const Eigen::VectorXd& g,
+                          const shared_unknowns::Values& shared, CurveSquares& squares) {
   // ln x: motion between the frames moves the quantiles, and so does compression
   constexpr double kSigmaOfOwnNoise = 0.03, kSigma = 0.06;
   const double match_sigma = noise.is_own ? kSigmaOfOwnNoise : kSigma;
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
-  constexpr double kWidened = 2;               // how far noise that widens a histogram moves its quantiles
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
   const float stretch = kMaxCode / (kMaxCode - black_level);
-  const double top = g[kFullKnot];
-  const auto variance = [&](const Knots& k) {
-    const double slope = k.slope(g), x = std::exp(k.of(g) - top);
-    const double relative =
-        static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
-    return slope * slope / 12 + 0.5 * relative + (noise.is_own ? kWidened * relative * relative : 0);
-  };
-
   double misfit = 0;
   for (const auto& [key, matches] : channel) {
     if (matches.codes.empty()) continue;
-    const Eigen::Index shorter = shared_unknowns::place_of(key.first, keys),
-                       longer = shared_unknowns::place_of(key.second, keys);
-    const double log_ratio = matches.log_ratio + shared[shorter] - shared[longer];
+    const Eigen::Index shorter = shared_unknowns::place_of(key.first, shared.keys),
+                       longer = shared_unknowns::place_of(key.second, shared.keys);
+    const double log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer];
     const double scale =
         kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
     double sum = 0, used = 0, usable = 0;
@@ -46,7 +47,7 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
       if (z1 < first || z2 > last) continue;
       const Knots k1(static_cast<double>(z1)), k2(static_cast<double>(z2));
       const double r = k1.of(g) - k2.of(g) - log_ratio;
-      const double s2 = match_sigma * match_sigma + variance(k1) + variance(k2);
+      const double s2 = match_sigma * match_sigma + variance_of(k1, g, noise) + variance_of(k2, g, noise);
       const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
       sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;

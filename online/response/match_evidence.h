@@ -4,11 +4,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "capture/noise_model.h"
 #include "online/response/curve_squares.h"
 #include "online/response/histogram_matches.h"
+#include "online/response/shared_unknowns.h"
 
 namespace hdrcam {
 
@@ -17,10 +17,10 @@ struct MatchNoise {
   bool is_own = false;  // of the sensor: no compression or filter took it away, and it widens histograms
 };
 
-// Adds the matches of one channel, linear at the curve g and at what the channels share (shared_unknowns.h),
-// to its squares. black_level: codes. Returns the misfit: -2 ln of the likelihood.
+// Adds the matches of one channel, linear at the curve g and at what the channels share, to its squares.
+// black_level: codes. Returns the misfit: -2 ln of the likelihood.
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
-                          const MatchNoise& noise, const Eigen::VectorXd& g, const std::vector<int>& keys,
-                          const Eigen::VectorXd& shared, CurveSquares& squares);
+                          const MatchNoise& noise, const Eigen::VectorXd& g,
+                          const shared_unknowns::Values& shared, CurveSquares& squares);
 
 }  // namespace hdrcam

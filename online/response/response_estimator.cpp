@@ -56,14 +56,14 @@ struct Agreement : CurveSquares {
   using CurveSquares::CurveSquares;
 };
 
-// keys: of all exposures; shared: what the channels share (shared_unknowns.h).
+// shared: of all exposures.
 Agreement agreement(const HistogramMatches::OfChannel& matches, float black_level, const MatchNoise& noise,
-                    const Vector& g, const std::vector<int>& keys, const Vector& shared) {
+                    const Vector& g, const shared_unknowns::Values& shared) {
   const CurvePrior& prior = curve_prior();
-  Agreement agreed(shared_unknowns::count(keys));
+  Agreement agreed(shared_unknowns::count(shared.keys));
   agreed.A = prior.precision, agreed.b = prior.precision * prior.mean;
   agreed.A(kGaugeKnot, kGaugeKnot) += kGaugeWeight;
-  agreed.misfit.of_matches = add_match_evidence(matches, black_level, noise, g, keys, shared, agreed);
+  agreed.misfit.of_matches = add_match_evidence(matches, black_level, noise, g, shared, agreed);
   const Vector d = g - prior.mean;
   agreed.misfit.of_prior = d.dot(prior.precision * d);
   return agreed;
@@ -75,11 +75,11 @@ CurveMisfit misfit_at(float black_level, const HistogramMatches::OfChannel& matc
   const Vector as_stated = Vector::Zero(shared_unknowns::count(keys));
   Vector g = curve_prior().mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Agreement agreed = agreement(matches, black_level, {noise}, g, keys, as_stated);
+    const Agreement agreed = agreement(matches, black_level, {noise}, g, {keys, as_stated});
     g = agreed.A.llt().solve(agreed.b);
     make_rising(g);
   }
-  return agreement(matches, black_level, {noise}, g, keys, as_stated).misfit;
+  return agreement(matches, black_level, {noise}, g, {keys, as_stated}).misfit;
 }
 
 // What the channels share.
@@ -135,7 +135,7 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
     for_each_channel(pool, [&](std::size_t c) {
       Fit::Curve& curve = fit.curves[c];
       const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
-      Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, keys, fit.shared);
+      Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, {keys, fit.shared});
       add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), shared_unknowns::kFullWell, agreed);
       const Eigen::LLT<Matrix> factor(agreed.A);
       alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
@@ -177,7 +177,7 @@ SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::ve
     for_each_channel(pool, [&](std::size_t c) {
       CurveSquares squares(prior.rows());
       const MatchNoise of_matches{fit.seen.value_or(doubtful), true};
-      add_match_evidence(matches.of(c), 0, of_matches, g[c], keys, fit.shared, squares);
+      add_match_evidence(matches.of(c), 0, of_matches, g[c], {keys, fit.shared}, squares);
       add_noise_evidence(levels[c], 0, g[c], fit.noise(), shared_unknowns::kFullWell, squares);
       of_shared[c] = {std::move(squares.C), squares.d - squares.B.transpose() * g[c]};
     });
@@ -208,7 +208,7 @@ Response network_response(const HistogramMatches& matches, const BlackLevel& bla
   for (std::size_t c = 0; c < 3; ++c)
     g[c] = fit_curve_network(curve_prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
       CurveSquares squares(as_stated.size());
-      add_match_evidence(matches.of(c), black[c], {noise}, at, keys, as_stated, squares);
+      add_match_evidence(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
       A = std::move(squares.A), b = std::move(squares.b);
     });
   return Response(curves_of(g));

@@ -14,6 +14,11 @@ inline constexpr Eigen::Index kFullWell = 0, kReadNoise = 1, kExposures = 2;  //
 Eigen::Index count(const std::vector<int>& keys);
 // Where e has the exposure of this key, which is one of them.
 Eigen::Index place_of(int key, const std::vector<int>& keys);
+// Values of e, and the keys of the exposures that it has.
+struct Values {
+  const std::vector<int>& keys;
+  const Eigen::VectorXd& e;
+};
 // Whether the curves are fitted, too. All exposures to a power, and the curve to the same, explain the same
 // matches: which power it is only real cameras tell, so exposures are not bent that way, unless the curve is
 // known.
