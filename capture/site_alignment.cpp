@@ -25,35 +25,46 @@ Bitmap brighter_than(const PhotometricSignature& signature, float threshold) {
   return bitmap;
 }
 
+// A rank near the middle whose sites are neither clipped nor too dark in either frame; 0: there is none.
+std::size_t common_rank(const PhotometricSignature& a, const PhotometricSignature& b) {
+  for (const int percent : {50, 40, 60, 30, 70, 20, 80}) {
+    const auto rank = static_cast<std::size_t>(a.sites * percent / 100);
+    if (std::isfinite(a.by_rank[rank]) && std::isfinite(b.by_rank[rank])) return rank;
+  }
+  return 0;
+}
+
+// How many of the sites that both frames see have another bit in b, whose content moved by (dy, dx).
+int differing_sites(const Bitmap& a, const Bitmap& b, int dy, int dx, int rows, int cols) {
+  const std::uint64_t seen = (std::uint64_t{1} << (cols - std::abs(dx))) - 1;
+  const int top = std::max(0, -dy), bottom = top + rows - std::abs(dy);
+  int differing = 0;
+  for (int y = top; y < bottom; ++y)
+    differing += std::popcount((a[static_cast<std::size_t>(y)] >> std::max(0, -dx) ^
+                                b[static_cast<std::size_t>(y + dy)] >> std::max(0, dx)) &
+                               seen);
+  return differing;
+}
+
 }  // namespace
 
 SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
-  constexpr int kReach = 6;  // sites
-  std::size_t rank = 0;
-  for (const int percent : {50, 40, 60, 30, 70, 20, 80}) {
-    rank = static_cast<std::size_t>(a.sites * percent / 100);
-    if (std::isfinite(a.by_rank[rank]) && std::isfinite(b.by_rank[rank])) break;
-    rank = 0;
-  }
+  constexpr int kReach = 6;   // sites, and no more than
+  constexpr int kOfSide = 5;  // a fifth of a side
+  // Each site that the picture is moved by counts like this share of differing ones: flat pictures fit
+  // everywhere.
+  constexpr double kPerSite = 0.002;
+  const std::size_t rank = common_rank(a, b);
   if (rank == 0) return {};
   const Bitmap in_a = brighter_than(a, a.by_rank[rank]), in_b = brighter_than(b, b.by_rank[rank]);
-
+  const int reach_y = std::min(kReach, a.rows / kOfSide), reach_x = std::min(kReach, a.cols / kOfSide);
   SiteShift best;
   double least = 1;
-  for (int dy = -std::min(kReach, a.rows / 5); dy <= std::min(kReach, a.rows / 5); ++dy) {
-    for (int dx = -std::min(kReach, a.cols / 5); dx <= std::min(kReach, a.cols / 5); ++dx) {
-      const int width = a.cols - std::abs(dx), height = a.rows - std::abs(dy);
-      const std::uint64_t seen = (std::uint64_t{1} << width) - 1;
-      int differing = 0;
-      for (int y = std::max(0, -dy); y < std::max(0, -dy) + height; ++y) {
-        const int y_in_b = y + dy;
-        differing += std::popcount((in_a[static_cast<std::size_t>(y)] >> std::max(0, -dx) ^
-                                    in_b[static_cast<std::size_t>(y_in_b)] >> std::max(0, dx)) &
-                                   seen);
-      }
-      const double area = width * height;
-      // A small preference for no motion, since flat pictures fit everywhere.
-      const double share = differing / area + 0.002 * (std::abs(dx) + std::abs(dy));
+  for (int dy = -reach_y; dy <= reach_y; ++dy) {
+    for (int dx = -reach_x; dx <= reach_x; ++dx) {
+      const double area = (a.cols - std::abs(dx)) * (a.rows - std::abs(dy));
+      const double share = differing_sites(in_a, in_b, dy, dx, a.rows, a.cols) / area +
+                           kPerSite * (std::abs(dx) + std::abs(dy));
       if (share < least) least = share, best = {dy, dx, area / a.sites};
     }
   }
