@@ -23,11 +23,23 @@ float spread(std::uint64_t n, double step) {
   return static_cast<float>(v - std::floor(v));
 }
 
-float contrast_3x3(const Image<float>& picture, int channel, int y, int x) {
+// A pixel of the state, in one channel.
+struct StatePixel {
+  const RadianceEstimate& state;
+  int channel, y, x;
+
+  float radiance() const { return state.radiance.at(channel, y, x); }
+  float variance() const { return state.variance.at(channel, y, x); }
+  float radiance_at(Offset by) const {
+    return BetweenPixels(state.radiance.rows(), state.radiance.cols(), x, y, by).of(state.radiance, channel);
+  }
+};
+
+float contrast_3x3(const StatePixel& pixel) {
   float sum = 0, squares = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
-      const float v = picture.at(channel, y + dy, x + dx);
+      const float v = pixel.state.radiance.at(pixel.channel, pixel.y + dy, pixel.x + dx);
       sum += v, squares += v * v;
     }
   return std::max(0.f, squares / 9 - sum / 9 * (sum / 9));
@@ -50,31 +62,27 @@ float pace_of(const Image<float>& to_previous, const Image<float>& to_next) {
 }
 
 // What is wrong in the radiance of a pixel, squared, that was moved by one of two motions where the other is
-// right; so much is `change` their difference. variance: of the radiance.
-float slip(const Image<float>& radiance, int c, int y, int x, Offset change, float variance) {
-  const auto moved = [&](float by) {
-    return BetweenPixels(radiance.rows(), radiance.cols(), x, y, by * change).of(radiance, c) -
-           radiance.at(c, y, x);
-  };
+// right; so much is `change` their difference.
+float slip(const StatePixel& pixel, Offset change) {
+  const auto moved = [&](float by) { return pixel.radiance_at(by * change) - pixel.radiance(); };
   const float on = moved(1), back = moved(-1);
-  const float noise = std::min(1.f, std::hypot(change.x, change.y)) * variance;
+  const float noise = std::min(1.f, std::hypot(change.x, change.y)) * pixel.variance();
   return std::max(0.f, (on * on + back * back) / 4 - noise);  // each motion has half of the change
 }
 
 // What the radiance of a pixel changes by if it is exposed for this fraction of its motion to the frame
-// before, squared. variance: of the radiance; means over several pixels have less of it.
-float squared_blur_of(const Image<float>& radiance, int c, int y, int x, Offset motion, float fraction,
-                      float variance) {
+// before, squared. Means over several pixels have less of its variance.
+float squared_blur_of(const StatePixel& pixel, Offset motion, float fraction) {
   constexpr int kLeastTaps = 3, kMostTaps = 9;
   const float span = std::sqrt(motion.x * motion.x + motion.y * motion.y) * fraction;
   const int taps = std::clamp(static_cast<int>(std::ceil(span)) + 1, kLeastTaps, kMostTaps);
   float sum = 0;
   for (int t = 0; t < taps; ++t) {
     const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
-    sum += BetweenPixels(radiance.rows(), radiance.cols(), x, y, instant * motion).of(radiance, c);
+    sum += pixel.radiance_at(instant * motion);
   }
-  const float blur = sum / static_cast<float>(taps) - radiance.at(c, y, x);
-  return std::max(0.f, blur * blur - std::min(1.f, span) * variance);
+  const float blur = sum / static_cast<float>(taps) - pixel.radiance();
+  return std::max(0.f, blur * blur - std::min(1.f, span) * pixel.variance());
 }
 
 }  // namespace
@@ -107,9 +115,8 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
   // Slips count so much: motion that is wrong alike in both steps does not change, and its surroundings slip
   // with it. With this weight cycles differ in the forecast as their pictures do (docs/decisions/camera.md).
   constexpr float kSlips = 32;
-  const Image<float>& radiance = estimate.state.radiance;
-  const int c = channel(static_cast<int>(to));
-  const float here = radiance.at(c, y, x), variance = estimate.state.variance.at(c, y, x);
+  const StatePixel pixel{estimate.state, channel(static_cast<int>(to)), y, x};
+  const float here = pixel.radiance(), variance = pixel.variance();
   const Offset motion = offset_at(estimate.to_previous->vectors, x, y);
   const float length = std::sqrt(motion.x * motion.x + motion.y * motion.y);
   const bool known = variance <= estimate.unseen_variance;
@@ -117,16 +124,16 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
       known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, kInverseGolden));
   kept_[to] = std::clamp(estimate.to_previous->confidence.at(0, y, x), 0.f, 1.f);
   // what looks like contrast is noise of the state, too
-  const float contrast = known ? std::max(0.f, contrast_3x3(radiance, c, y, x) - variance) : 0;
+  const float contrast = known ? std::max(0.f, contrast_3x3(pixel) - variance) : 0;
   misalignment_[to] = kMisaligned * std::min(1.f, length) * contrast;
   if (known && estimate.to_next != nullptr) {
     const Offset next = offset_at(*estimate.to_next, x, y);
     const Offset change{next.x + pace * motion.x, next.y + pace * motion.y};
-    misalignment_[to] += kSlips * slip(radiance, c, y, x, change, variance);
+    misalignment_[to] += kSlips * slip(pixel, change);
   }
   for (int k = 0; k < kLengths; ++k)
     squared_blur_[static_cast<std::size_t>(k)][to] =
-        known ? squared_blur_of(radiance, c, y, x, motion, std::ldexp(1.f, -k), variance) : 0;
+        known ? squared_blur_of(pixel, motion, std::ldexp(1.f, -k)) : 0;
 }
 
 }  // namespace hdrcam
