@@ -110,7 +110,7 @@ class CalibrationRequests {
     if (!pending_) pending_ = calibration_.next();
     const Result<void> queued = camera_.queue({cookie_, pending_->time, pending_->gain});
     if (!queued && queued.error().code == ErrorCode::Busy) return false;
-    TRY(Result<void>(queued));
+    if (!queued) return queued.error();
     asked_[cookie_++ % kAsked] = *pending_;
     pending_.reset();
     return true;
@@ -172,7 +172,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
   TRY(camera.start());
   const Result<void> observed = observe_pictures(camera, how, stop, calibration);
   TRY(camera.stop());
-  TRY(Result<void>(observed));
+  if (!observed) return observed.error();
   return calibration.estimate();
 }
 

@@ -14,7 +14,7 @@ void put(const Image<float>& from, int row, int col, Image<float>& to, int to_ro
   for (int c = 0; c < 2; ++c) to.at(c, to_row, to_col) = from.at(c, row, col);
 }
 
-// Where the fastest neighbour of an empty cell is, or the cell itself.
+// An empty cell gets the motion of its fastest neighbour; it stays empty where all of them are.
 void fill_from_neighbours(const Image<float>& landed, int row, int col, Image<float>& cells) {
   int from_row = row, from_col = col;
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, landed.rows() - 1); ++y)

@@ -37,6 +37,7 @@ constexpr double kNearestZ = 1e-3;      // of the ray's z in the posed camera: b
 constexpr double kRobustSigmas = 3;     // the kernel's width at the end
 constexpr double kSmallestStep = 1e-6;  // radians and lengths: converged
 constexpr double kBehind = 1e9;         // squared sigmas of a point behind the camera
+constexpr double kDamping = 1e-6;       // of the normal equations: they can be solved without a point, too
 constexpr int kPartPoints = 64;         // that a thread takes at once
 
 double robust_cost(double squared, double width) {
@@ -112,8 +113,8 @@ Vector6 solve(PoseSums& sums, Freedom freedom) {
     sums.H.bottomRightCorner<3, 3>().setIdentity();
     sums.g.tail<3>().setZero();
   }
-  sums.H.diagonal() *= 1 + 1e-6;
-  sums.H.diagonal().array() += 1e-6;
+  sums.H.diagonal() *= 1 + kDamping;
+  sums.H.diagonal().array() += kDamping;
   const Vector6 step = -sums.H.ldlt().solve(sums.g);
   return step.allFinite() ? step : Vector6::Zero();
 }

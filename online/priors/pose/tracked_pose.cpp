@@ -193,8 +193,9 @@ void TrackedPose::find_translation(const PoseFit& turned) {
 
 // The median depth becomes the unit of length.
 void TrackedPose::choose_unit(Heading& first) {
+  constexpr double kLeastInverse = 1e-6;  // keeps the unit finite
   std::vector<double> sorted = first.inverse_depths;
-  const double middle = std::max(median(sorted), 1e-6);
+  const double middle = std::max(median(sorted), kLeastInverse);
   first.T_camera_world.t *= middle;
   for (double& depth : first.inverse_depths) depth /= middle;
   depth_known_ = true;
