@@ -158,14 +158,15 @@ void PointTracks::restart_when_thin() {
   histories_.clear();
 }
 
-void PointTracks::coast(const Intrinsics& lens, const RigidTransform& T_camera_world, int rows, int cols) {
+void PointTracks::coast(const CameraView& view) {
   for (std::size_t i = points_.size(); i-- > 0;) {
     ScenePoint& point = points_[i];
-    const auto r = point_residual(point, point.inverse_depth, lens, T_camera_world);
+    const auto r = point_residual(point, point.inverse_depth, view.lens, view.T_camera_world);
     histories_[i].unseen = point.seen ? 0 : histories_[i].unseen + 1;
     if (!point.seen && r) point.seen_px += r->px;
     const bool keep = r && histories_[i].unseen <= options_.longest_coast &&
-                      histories_[i].age < options_.longest_track && is_inside(point.seen_px, rows, cols);
+                      histories_[i].age < options_.longest_track &&
+                      is_inside(point.seen_px, view.rows, view.cols);
     if (!keep) remove(i);
   }
 }
@@ -191,9 +192,9 @@ double PointTracks::expected_inverse_depth(const Eigen::Vector2d& px, double rea
   return sum / weights;
 }
 
-void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
-                       const RigidTransform& T_camera_world, bool depth_known) {
-  if (!depth_known && !points_.empty()) return;
+void PointTracks::seed(const Image<float>& confidence, const CameraView& view, Depths depths) {
+  if (depths == Depths::Unknown && !points_.empty()) return;
+  const auto& [rows, cols, lens, T_camera_world] = view;
   const double cell = std::sqrt(static_cast<double>(rows) * cols / options_.points);
   const int across = std::max(1, static_cast<int>(cols / cell)),
             down = std::max(1, static_cast<int>(rows / cell));
@@ -223,7 +224,7 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
       point.origin_world = T_world_camera.t;
       point.direction_world = T_world_camera.R * ray(lens, px);
       point.inverse_depth = expected_inverse_depth(px, 2 * cell, T_camera_world);
-      const double spread = (depth_known ? options_.prior_spread : options_.vague_spread) *
+      const double spread = (depths == Depths::Known ? options_.prior_spread : options_.vague_spread) *
                             std::max(point.inverse_depth, kLeastOfNew * kTypicalInverseDepth);
       point.information = 1 / (spread * spread);
       point.seen_px = px;

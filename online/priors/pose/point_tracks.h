@@ -28,6 +28,16 @@ struct TrackOptions {
   double vague_spread = 10;  // ..and while no depth is known
 };
 
+// A picture, and the camera that took it.
+struct CameraView {
+  int rows, cols;
+  const Intrinsics& lens;
+  const RigidTransform& T_camera_world;
+};
+
+// Whether the depth of any point is known.
+enum class Depths { Unknown, Known };
+
 class PointTracks {
  public:
   explicit PointTracks(const TrackOptions& options) : options_(options), noise_px_(options.sigma_px) {}
@@ -47,15 +57,14 @@ class PointTracks {
   void learn_noise(double scale, double rate);
   double noise_px() const { return noise_px_; }
   // Predicts the unseen points' positions; drops points outside the frame, too old or too long unseen.
-  void coast(const Intrinsics& lens, const RigidTransform& T_camera_world, int rows, int cols);
+  void coast(const CameraView& view);
   // Marks all points of this frame as unreliable.
   void mark_all_unseen();
   // While no depth is known all points must have been first seen from one place; if too few are left, all are
   // restarted.
   void restart_when_thin();
   // Fills the empty cells. confidence: [1, rows, cols] of this frame's flow, or empty: everywhere.
-  void seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
-            const RigidTransform& T_camera_world, bool depth_known);
+  void seed(const Image<float>& confidence, const CameraView& view, Depths depths);
 
   std::span<const ScenePoint> points() const { return points_; }
   void inverse_depths(std::vector<double>& depths) const;

@@ -108,9 +108,10 @@ const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowFiel
   const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
   if (!started_) start(from_previous);
   track(from_previous);
-  tracks_.coast(lens_, T_camera_world_, rows, cols);
-  if (!depth_known_) tracks_.restart_when_thin();
-  tracks_.seed(to_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
+  const CameraView view{rows, cols, lens_, T_camera_world_};
+  tracks_.coast(view);
+  if (depths_known_ == Depths::Unknown) tracks_.restart_when_thin();
+  tracks_.seed(to_previous.confidence, view, depths_known_);
   pose_.T_world_camera = T_camera_world_.inverse();
   return pose_;
 }
@@ -119,7 +120,7 @@ const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowFiel
 void TrackedPose::start(const FlowField& from_previous) {
   const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
   lens_ = intrinsics_.value_or(assumed_intrinsics(rows, cols));
-  tracks_.seed(from_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
+  tracks_.seed(from_previous.confidence, {rows, cols, lens_, T_camera_world_}, depths_known_);
   started_ = true;
 }
 
@@ -136,7 +137,7 @@ void TrackedPose::track(const FlowField& from_previous) {
     note_velocity(T_camera_world_);
     return accept(T_camera_world_, Centre::Kept);
   }
-  if (depth_known_)
+  if (depths_known_ == Depths::Known)
     follow_translation(turned);
   else
     find_translation(turned);
@@ -198,7 +199,7 @@ void TrackedPose::choose_unit(Heading& first) {
   const double middle = std::max(median(sorted), kLeastInverse);
   first.T_camera_world.t *= middle;
   for (double& depth : first.inverse_depths) depth /= middle;
-  depth_known_ = true;
+  depths_known_ = Depths::Known;
 }
 
 bool TrackedPose::is_static(const PoseFit& turned) const {

@@ -62,7 +62,8 @@ class TrackedPose final : public PosePrior {
   RigidTransform T_camera_previous_;                    // the velocity: the motion of the last frame
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
   PoseFitter fitter_;
-  bool started_ = false, depth_known_ = false;
+  bool started_ = false;
+  Depths depths_known_ = Depths::Unknown;
   Centre centre_ = Centre::Kept;  // by the accepted motion
   int blind_ = 0;                 // frames in a row
   CameraPose pose_;
