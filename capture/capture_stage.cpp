@@ -98,7 +98,7 @@ FrameMatcherOptions CaptureStage::matching() const {
   } else if (offers.delays) {
     matching.delays = offers.delays;
   } else if (!offers.reports_exposure && sensor_) {
-    matching.delays = ControlDelays{sensor_->delays.exposure, sensor_->delays.gain};
+    matching.delays = sensor_->delays;
   }
   return matching;
 }

@@ -21,19 +21,14 @@ FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSch
       triggers_(options.trigger, options.timestamp_mark, options.frame_duration) {
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
-  const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
-  delayed_controls_.emplace(delays, ExposureRequest{0, first.time, first.gain}, options_.frame_duration);
+  delayed_controls_.emplace(*options_.delays, ExposureRequest{0, first.time, first.gain});
 }
 
 ExposureRequest FrameMatcher::next_request() {
   const std::uint64_t cookie = next_cookie_++;
   const Exposure& exposure = schedule_.exposure_of(cookie);
   ExposureRequest request{cookie, exposure.time, exposure.gain};
-  if (delayed_controls_) {
-    delayed_controls_->push(request, options_.frame_duration);
-    const DelayedControls::Writes writes = delayed_controls_->frame_started(cookie);
-    request = {cookie, writes.exposure, writes.analogue_gain};
-  }
+  if (delayed_controls_) request = delayed_controls_->held_back(request);
   controls_.sent(request, schedule_.slot_of(cookie));
   return request;
 }

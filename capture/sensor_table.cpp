@@ -12,18 +12,18 @@ struct SensorRow {
 };
 
 constexpr SensorRow kSensors[] = {
-    {"imx219", {{2, 1, 2}, BlackLevel::of_code(64, 10)}},
-    {"imx283", {{2, 1, 2}, BlackLevel::of_code(50, 10)}},
-    {"imx290", {{2, 2, 2}, BlackLevel::of_code(60, 10)}},
-    {"imx296", {{2, 2, 2}, BlackLevel::of_code(60, 10)}},
-    {"imx462", {{2, 2, 2}, BlackLevel::of_code(60, 10)}},
-    {"imx477", {{2, 2, 3}, BlackLevel::of_code(64, 10)}},
-    {"imx500", {{2, 2, 3}, BlackLevel::of_code(64, 10)}},
-    {"imx519", {{2, 2, 3}, BlackLevel::of_code(64, 10)}},
-    {"imx708", {{2, 2, 3}, BlackLevel::of_code(64, 10)}},
-    {"ov5647", {{2, 2, 2}, BlackLevel::of_code(16, 10)}},
-    {"ov7251", {{2, 2, 2}, BlackLevel::of_code(64, 10)}},
-    {"ov9281", {{2, 2, 2}, BlackLevel::of_code(64, 10)}},
+    {"imx219", {ControlDelays{2, 1}, BlackLevel::of_code(64, 10)}},
+    {"imx283", {ControlDelays{2, 1}, BlackLevel::of_code(50, 10)}},
+    {"imx290", {ControlDelays{2, 2}, BlackLevel::of_code(60, 10)}},
+    {"imx296", {ControlDelays{2, 2}, BlackLevel::of_code(60, 10)}},
+    {"imx462", {ControlDelays{2, 2}, BlackLevel::of_code(60, 10)}},
+    {"imx477", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
+    {"imx500", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
+    {"imx519", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
+    {"imx708", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
+    {"ov5647", {ControlDelays{2, 2}, BlackLevel::of_code(16, 10)}},
+    {"ov7251", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
+    {"ov9281", {ControlDelays{2, 2}, BlackLevel::of_code(64, 10)}},
 };
 
 }  // namespace

@@ -3,30 +3,22 @@
 // sensor's gain codes mean and the kind of its shutter. Reentrant.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <string_view>
 
+#include "hal/camera.h"
 #include "hal/core/black_level.h"
 
 namespace hdrcam {
 
-// Frames from the one at whose start a control is written to the first that shows it.
-struct SensorDelays {
-  int exposure = 2, gain = 1, vblank = 2;
-
-  int most() const { return std::max({exposure, gain, vblank}); }
-};
-
 struct KnownSensor {
-  SensorDelays delays;
+  ControlDelays delays;
   BlackLevel black_level;
 };
 
 // Looks up a sensor whose name occurs anywhere in the model text ("imx219",
-// "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a sensor that is not in the table: the caller warns and
-// uses SensorDelays{}, which most sensors have, or measures the delays (delay_calibration.h). Source:
-// libcamera's camera_sensor_properties.cpp and its tuning files.
+// "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a sensor that is not in the table: its delays can be
+// measured (delay_calibration.h). Source: libcamera's camera_sensor_properties.cpp and its tuning files.
 std::optional<KnownSensor> known_sensor(std::string_view model);
 
 }  // namespace hdrcam
