@@ -5,6 +5,7 @@
 #include <span>
 
 #include "capture/demosaic_kernels.h"
+#include "hal/core/mirrored.h"
 
 namespace hdrcam {
 namespace {
@@ -29,13 +30,6 @@ RedAt red_at(PixelLayout layout) {
   }
   HDRCAM_CHECK(is_bayer(layout));
   return {};
-}
-
-// Mirrors about the border pixel, which keeps the colour phase.
-int mirrored(int i, int count) {
-  if (i < 0) i = -i;
-  if (i >= count) i = 2 * (count - 1) - i;
-  return std::clamp(i, 0, count - 1);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "online/pictures/local_statistics.h"
 
+#include "hal/core/mirrored.h"
+
 namespace hdrcam {
 namespace {
 
@@ -18,15 +20,10 @@ void over_windows(const Image<float>& in, int radius, Image<float>& mean, Image<
 
 }  // namespace
 
-int mirrored_row(int y, int rows) {
-  if (y < 0) y = -y;
-  return std::clamp(y < rows ? y : 2 * rows - 2 - y, 0, rows - 1);
-}
-
 WindowRow window_at(const float* plane, int rows, int cols, int y, int radius, float* mean, float* variance) {
   WindowRow window{.line = {}, .cols = cols, .radius = radius, .mean = mean, .variance = variance};
   for (int k = -radius; k <= radius; ++k)
-    window.line[k + radius] = plane + static_cast<std::ptrdiff_t>(mirrored_row(y + k, rows)) * cols;
+    window.line[k + radius] = plane + static_cast<std::ptrdiff_t>(mirrored(y + k, rows)) * cols;
   return window;
 }
 

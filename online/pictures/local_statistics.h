@@ -7,9 +7,6 @@
 
 namespace hdrcam {
 
-// The row that stands in for row y of a picture, which may be outside it.
-int mirrored_row(int y, int rows);
-
 // Row y of a plane with the rows around it, for picture_kernels().window; variance: null for the mean alone
 WindowRow window_at(const float* plane, int rows, int cols, int y, int radius, float* mean, float* variance);
 

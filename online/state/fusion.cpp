@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hal/core/mirrored.h"
 #include "online/pictures/local_statistics.h"
 #include "online/state/exposure_blur.h"
 #include "online/state/fusion_kernels.h"
@@ -36,7 +37,7 @@ class GuessedLines {
   WindowRow around(int band, int c, int y, float* mean, float* variance) const {
     WindowRow window{
         .line = {}, .cols = seen_.state.radiance.cols(), .radius = 1, .mean = mean, .variance = variance};
-    for (int k = 0; k < 3; ++k) window.line[k] = line(band, c, mirrored_row(y + k - 1, rows()));
+    for (int k = 0; k < 3; ++k) window.line[k] = line(band, c, mirrored(y + k - 1, rows()));
     return window;
   }
 

@@ -39,16 +39,6 @@ TEST_CASE("a mean does not depend on which side a picture lies on, however low i
     }
 }
 
-TEST_CASE("rows are mirrored at the border, and again where a picture ends before") {
-  CHECK(mirrored_row(-2, 5) == 2);
-  CHECK(mirrored_row(6, 5) == 2);
-  CHECK(mirrored_row(-1, 2) == 1);
-  CHECK(mirrored_row(-2, 2) == 0);
-  CHECK(mirrored_row(2, 2) == 0);
-  CHECK(mirrored_row(-2, 1) == 0);
-  CHECK(mirrored_row(2, 1) == 0);
-}
-
 TEST_CASE("box means and local contrast agree with sums written out", "[isa]") {
   WorkerPool pool(2);
   Image<float> image(3, 9, 11);
