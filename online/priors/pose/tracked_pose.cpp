@@ -89,12 +89,11 @@ bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; 
 
 }  // namespace
 
-TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool,
-                         const TrackerOptions& options)
-    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks), fitter_(pool) {
+TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool)
+    : intrinsics_(intrinsics), tracks_(options_.tracks), fitter_(pool) {
   // points that drift into one cell leave others to new ones, so there are more of them than cells
   for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
-    room->reserve(2 * static_cast<std::size_t>(options.tracks.points));
+    room->reserve(2 * static_cast<std::size_t>(options_.tracks.points));
   fitter_.reserve(depths_.capacity());
 }
 

@@ -34,7 +34,7 @@ struct TrackerOptions {
 
 class TrackedPose final : public PosePrior {
  public:
-  TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool, const TrackerOptions& options = {});
+  TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool);
 
   // to_previous: this frame -> the previous one; from_previous: the reverse; empty for the first frame.
   const CameraPose& next(const FlowField& to_previous, const FlowField& from_previous);
@@ -54,7 +54,7 @@ class TrackedPose final : public PosePrior {
   void accept(const RigidTransform& T_camera_world, Centre centre);
   void lose();
 
-  TrackerOptions options_;
+  const TrackerOptions options_;
   std::optional<Intrinsics> intrinsics_;
   Intrinsics lens_;
   PointTracks tracks_;
