@@ -16,7 +16,7 @@ try:
 except ImportError as missing:
     sys.exit(f"make_dorf_prior.py: {missing}; it needs Debian's python3-numpy")
 
-DIRECTIONS = 20  # what is left is far below the free part of the prior (.004)
+DIRECTIONS = 20  # what is left, below .0006, is far below the independent part of the prior (.004, curve_prior.cpp)
 curves = np.loadtxt(sys.argv[1], delimiter=",")
 exposure = np.linspace(0, 1, curves.shape[1])
 logs = []
