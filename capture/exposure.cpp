@@ -9,7 +9,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kLongest_s = 3600;
+constexpr double kShortest_s = 1e-9, kLongest_s = 3600;
+constexpr double kGainRounding = 1e-9;
 
 // Parses the number at the start of the text and removes it from the text; nullopt where there is none.
 std::optional<double> take_number(std::string_view& text) {
@@ -80,7 +81,7 @@ bool all_same(std::span<const Exposure> cycle) {
 Result<Duration> parse_duration(std::string_view text) {
   if (bare_number(text).value_or(0) > 0) return lacks_unit(text);
   const auto seconds = seconds_in(trimmed(text));
-  if (!seconds || !(*seconds >= 1e-9) || *seconds > kLongest_s)
+  if (!seconds || !(*seconds >= kShortest_s) || *seconds > kLongest_s)
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s", text)};
   return from_seconds(*seconds);
@@ -156,8 +157,8 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
   const bool uneven = gains.size() > 1;
   const double lowest_step = uneven ? gains[1] - gains[0] : camera.gain_step;
   const double highest_step = uneven ? gains.back() - gains[gains.size() - 2] : camera.gain_step;
-  if (exposure.gain < camera.gain_min - (lowest_step / 2 + 1e-9) ||
-      exposure.gain > camera.gain_max + (highest_step / 2 + 1e-9))
+  if (exposure.gain < camera.gain_min - (lowest_step / 2 + kGainRounding) ||
+      exposure.gain > camera.gain_max + (highest_step / 2 + kGainRounding))
     return Error{ErrorCode::BadExposure,
                  fmt::format("gain {:.4g} is outside what '{}' offers, {:.4g} to {:.4g}; choose one within",
                              exposure.gain, camera.id, camera.gain_min, camera.gain_max)};

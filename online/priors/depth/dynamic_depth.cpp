@@ -38,7 +38,8 @@ const DepthMap& DynamicDepth::complete(const DepthMap& measured, const Image<flo
     guess_.fill(0);
   }
   if (!(options_.nearer > 0)) return completed_;
-  find_regions(measured, dynamic);
+  mark_moving(measured, dynamic);
+  find_regions();
   measure_reach();
   for (int label = 1; label <= static_cast<int>(regions_.size()); ++label) {
     Region& region = regions_[static_cast<std::size_t>(label - 1)];
@@ -60,7 +61,7 @@ const DepthMap& DynamicDepth::complete(const DepthMap& measured, const Image<flo
 }
 
 // A point moves if more of its neighbours do than are measured as static.
-void DynamicDepth::find_regions(const DepthMap& measured, const Image<float>& dynamic) {
+void DynamicDepth::mark_moving(const DepthMap& measured, const Image<float>& dynamic) {
   const int rows = dynamic.rows(), cols = dynamic.cols();
   nearest_.reshape(1, rows, cols);
   label_.reshape(1, rows, cols);
@@ -85,9 +86,12 @@ void DynamicDepth::find_regions(const DepthMap& measured, const Image<float>& dy
       label_.at(0, y, x) = votes > 0 ? kUnlabelled : kStatic;
     }
   }
+}
+
+void DynamicDepth::find_regions() {
   regions_.clear();
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < cols; ++x)
+  for (int y = 0; y < label_.rows(); ++y)
+    for (int x = 0; x < label_.cols(); ++x)
       if (label_.at(0, y, x) == kUnlabelled) {
         regions_.push_back({.points = 0, .top = y, .bottom = y, .inverse_depth = 0});
         grow(y, x, static_cast<int>(regions_.size()));

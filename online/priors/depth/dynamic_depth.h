@@ -39,7 +39,8 @@ class DynamicDepth final : public DepthPrior {
     float inverse_depth = 0;
   };
 
-  void find_regions(const DepthMap& measured, const Image<float>& dynamic);
+  void mark_moving(const DepthMap& measured, const Image<float>& dynamic);
+  void find_regions();
   void grow(int y, int x, int label);
   void measure_reach();
   float around(int label, const DepthMap& measured);
