@@ -126,18 +126,8 @@ Result<void> decode_jpeg(const CapturedBuffer& buffer, const DecodeJpeg& decode,
   return {};
 }
 
-}  // namespace
-
-PixelCodes codes_of(PixelFormat format) {
-  const auto [packing, layout, bits] = packing_of(format);
-  return {layout, bits, layout != PixelLayout::Rgb && layout != PixelLayout::Mono};
-}
-
-Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,
-                           Image<std::uint16_t>& codes) {
-  const auto [packing, layout, bits] = packing_of(buffer.mode.format);
-  if (packing == Packing::Jpeg) return decode_jpeg(buffer, settings.decode_jpeg, codes);
-
+// Bytes from row to row of a buffer that holds all of its picture.
+Result<std::size_t> stride_of(const CapturedBuffer& buffer, Packing packing) {
   const int width = buffer.mode.width, height = buffer.mode.height, shared = sharing(packing);
   if (width <= 0 || height <= 0 || width % shared != 0 || (packing == Packing::Nv12 && height % 2 != 0))
     return Error{ErrorCode::Invalid,
@@ -151,7 +141,23 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
     return Error{ErrorCode::Corrupt,
                  fmt::format("frame {} has {} bytes in rows of {}; a {}x{} picture needs {} in rows of {}",
                              buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
+  return stride;
+}
 
+}  // namespace
+
+PixelCodes codes_of(PixelFormat format) {
+  const auto [packing, layout, bits] = packing_of(format);
+  return {layout, bits, layout != PixelLayout::Rgb && layout != PixelLayout::Mono};
+}
+
+Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,
+                           Image<std::uint16_t>& codes) {
+  const auto [packing, layout, bits] = packing_of(buffer.mode.format);
+  if (packing == Packing::Jpeg) return decode_jpeg(buffer, settings.decode_jpeg, codes);
+
+  const std::size_t stride = TRY(stride_of(buffer, packing));
+  const int width = buffer.mode.width, height = buffer.mode.height;
   codes.reshape(channels(layout), height, width);
   const YuvCoding& yuv = buffer.yuv;
   const YuvToRgb rgb(yuv.matrix, settings.yuv_range.value_or(yuv.range));
