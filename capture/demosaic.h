@@ -11,10 +11,6 @@
 
 namespace hdrcam {
 
-constexpr bool is_bayer(PixelLayout layout) {
-  return layout != PixelLayout::Rgb && layout != PixelLayout::Mono;
-}
-
 // mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the same
 // codes, clipped to 0 .. max_code, times `scale`. The mosaic is mirrored at the border, which keeps its
 // colour phase.

@@ -148,7 +148,7 @@ Result<std::size_t> stride_of(const CapturedBuffer& buffer, Packing packing) {
 
 PixelCodes codes_of(PixelFormat format) {
   const auto [packing, layout, bits] = packing_of(format);
-  return {layout, bits, layout != PixelLayout::Rgb && layout != PixelLayout::Mono};
+  return {layout, bits, is_bayer(layout)};
 }
 
 Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,

@@ -41,6 +41,9 @@ const char* name(Verdict verdict);
 enum class PixelLayout { Rgb, Mono, BayerRggb, BayerGrbg, BayerGbrg, BayerBggr };
 const char* name(PixelLayout layout);
 inline int channels(PixelLayout layout) { return layout == PixelLayout::Rgb ? 3 : 1; }
+constexpr bool is_bayer(PixelLayout layout) {
+  return layout != PixelLayout::Rgb && layout != PixelLayout::Mono;
+}
 
 // Factors of R, G and B.
 using ChannelGains = std::array<double, 3>;

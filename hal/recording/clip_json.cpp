@@ -319,8 +319,7 @@ std::string clip_to_json(const Clip& clip) {
                {"bits", camera.bits}};
   if (const auto& lens = camera.intrinsics)
     head.update({{"fx", lens->fx_px}, {"fy", lens->fy_px}, {"cx", lens->cx_px}, {"cy", lens->cy_px}});
-  if (camera.layout != PixelLayout::Rgb && camera.layout != PixelLayout::Mono)
-    head["layout"] = name(camera.layout);
+  if (is_bayer(camera.layout)) head["layout"] = name(camera.layout);
   if (camera.linear) head["linear"] = true;
   if (!camera.response.empty()) head["response"] = camera.response;
   if (camera.white_balance) head["white_balance"] = *camera.white_balance;

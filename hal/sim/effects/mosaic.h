@@ -27,7 +27,7 @@ class Mosaic {
 };
 
 inline Mosaic::Mosaic(PixelLayout layout) : channels_{{0, 1}, {1, 2}} {
-  HDRCAM_CHECK(layout != PixelLayout::Rgb && layout != PixelLayout::Mono);
+  HDRCAM_CHECK(is_bayer(layout));
   const auto order = [this](int a, int b, int c, int d) {
     channels_[0][0] = a, channels_[0][1] = b, channels_[1][0] = c, channels_[1][1] = d;
   };
