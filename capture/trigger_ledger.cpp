@@ -69,7 +69,7 @@ void TriggerLedger::settle(Instant until) {
 }
 
 std::string sentence_of(const TriggerCounters& counters, const std::string& line,
-                        const TriggerOptions& options, bool listens) {
+                        const TriggerOptions& options, TriggerAnswers answers) {
   const auto us = [](Duration time) { return fmt::format("{:.0f} us", to_seconds(time) * 1e6); };
   std::string text = fmt::format(
       "trigger '{}' ({}): {} pulses, {} late (more than {}), {} left out; edges {} off on average, 99 % "
@@ -77,7 +77,7 @@ std::string sentence_of(const TriggerCounters& counters, const std::string& line
       line, options.mode == TriggerMode::PulseWidth ? "pulse width" : "frame start", counters.pulses,
       counters.late, us(options.tolerance), counters.left_out, us(counters.edge_mean), us(counters.edge_p99),
       us(counters.edge_most));
-  if (!listens) return text;
+  if (answers == TriggerAnswers::NotHeard) return text;
   text += fmt::format("; {} answered, {} not", counters.answered, counters.unanswered);
   const auto named = std::min<std::uint64_t>(counters.unanswered, counters.missing.size());
   for (std::size_t i = 0; i < named; ++i)

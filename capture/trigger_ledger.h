@@ -67,10 +67,13 @@ class TriggerLedger {
   TriggerCounters counters_;
 };
 
+// Whether there is a strobe line on which the sensor answers.
+enum class TriggerAnswers { Heard, NotHeard };
+
 // Returns text like "trigger 'FSYNC' (pulse width): 300 pulses, 2 late (more than 500 us), 0 left out; edges
 // 12 us off on average, 99 % within 45 us, at most 610 us; 299 answered, 1 not (pulse 17), 0 answers without
-// a pulse". listens: on the strobe line; without it nothing is said of answers.
+// a pulse"; of answers only where they are heard.
 std::string sentence_of(const TriggerCounters& counters, const std::string& line,
-                        const TriggerOptions& options, bool listens);
+                        const TriggerOptions& options, TriggerAnswers answers);
 
 }  // namespace hdrcam

@@ -113,7 +113,8 @@ std::string CameraLines::note() const {
 
 std::string CameraLines::sentence(const CaptureCounters& camera) const {
   if (!trigger_) return "";
-  std::string text = sentence_of(camera.trigger, sync_.trigger_line, trigger_->options(), strobe_ != nullptr);
+  const auto answers = strobe_ != nullptr ? TriggerAnswers::Heard : TriggerAnswers::NotHeard;
+  std::string text = sentence_of(camera.trigger, sync_.trigger_line, trigger_->options(), answers);
   if (!realtime()) text += "; not scheduled in real time";
   if (const std::uint64_t odd = off_pulses(camera, sync_.trigger); 10 * odd > camera.captured)
     text += fmt::format(

@@ -44,11 +44,12 @@ TEST_CASE("each pulse's answer is found, and what is missing or not asked for is
   CHECK(counters.missing[1] == 120);
   CHECK(counters.spurious == 1);
   CHECK(counters.spurious_at[0] == line.begin(29) + 7ms);
-  const std::string text = sentence_of(counters, "FSYNC", {.mode = TriggerMode::FrameStart}, true);
+  const std::string text =
+      sentence_of(counters, "FSYNC", {.mode = TriggerMode::FrameStart}, TriggerAnswers::Heard);
   CHECK_THAT(text,
              Contains("trigger 'FSYNC' (frame start): 198 pulses, 1 late (more than 500 us), 2 left out") &&
                  Contains("196 answered, 2 not (pulse 17, 120), 1 answers without a pulse"));
-  CHECK_THAT(sentence_of(counters, "FSYNC", {}, false), !Contains("answered"));
+  CHECK_THAT(sentence_of(counters, "FSYNC", {}, TriggerAnswers::NotHeard), !Contains("answered"));
 }
 
 TEST_CASE("an answer may be stamped a little before the pulse that asked for it") {
