@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hal/core/counted.h"
+
 namespace hdrcam {
 namespace {
 
@@ -72,18 +74,18 @@ std::string sentence_of(const TriggerCounters& counters, const std::string& line
                         const TriggerOptions& options, TriggerAnswers answers) {
   const auto us = [](Duration time) { return fmt::format("{:.0f} us", to_seconds(time) * 1e6); };
   std::string text = fmt::format(
-      "trigger '{}' ({}): {} pulses, {} late (more than {}), {} left out; edges {} off on average, 99 % "
+      "trigger '{}' ({}): {}, {} late (more than {}), {} left out; edges {} off on average, 99 % "
       "within {}, at most {}",
-      line, options.mode == TriggerMode::PulseWidth ? "pulse width" : "frame start", counters.pulses,
-      counters.late, us(options.tolerance), counters.left_out, us(counters.edge_mean), us(counters.edge_p99),
-      us(counters.edge_most));
+      line, options.mode == TriggerMode::PulseWidth ? "pulse width" : "frame start",
+      counted(counters.pulses, "pulse"), counters.late, us(options.tolerance), counters.left_out,
+      us(counters.edge_mean), us(counters.edge_p99), us(counters.edge_most));
   if (answers == TriggerAnswers::NotHeard) return text;
   text += fmt::format("; {} answered, {} not", counters.answered, counters.unanswered);
   const auto named = std::min<std::uint64_t>(counters.unanswered, counters.missing.size());
   for (std::size_t i = 0; i < named; ++i)
     text += fmt::format("{}{}", i == 0 ? " (pulse " : ", ", counters.missing[i]);
   if (named > 0) text += counters.unanswered > named ? ", ..)" : ")";
-  text += fmt::format(", {} answers without a pulse", counters.spurious);
+  text += fmt::format(", {} without a pulse", counted(counters.spurious, "answer"));
   if (counters.spurious > 0)
     text += fmt::format(" (the first at {:.6f} s)", counters.spurious_at[0].seconds());
   return text;

@@ -48,7 +48,7 @@ TEST_CASE("each pulse's answer is found, and what is missing or not asked for is
       sentence_of(counters, "FSYNC", {.mode = TriggerMode::FrameStart}, TriggerAnswers::Heard);
   CHECK_THAT(text,
              Contains("trigger 'FSYNC' (frame start): 198 pulses, 1 late (more than 500 us), 2 left out") &&
-                 Contains("196 answered, 2 not (pulse 17, 120), 1 answers without a pulse"));
+                 Contains("196 answered, 2 not (pulse 17, 120), 1 answer without a pulse"));
   CHECK_THAT(sentence_of(counters, "FSYNC", {}, TriggerAnswers::NotHeard), !Contains("answered"));
 }
 
