@@ -45,7 +45,7 @@ void SampleResiduals::observe(const Seen& predicted, const Image<float>& confide
 }
 
 void SampleResiduals::take_all(int c, const Seen& predicted, const Image<float>& confidence) {
-  const auto& [state, samples, tables, unseen_from] = predicted;
+  const auto& [state, samples, tables, unseen_variance] = predicted;
   const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
@@ -56,7 +56,7 @@ void SampleResiduals::take_all(int c, const Seen& predicted, const Image<float>&
     const float* blur = samples.blur_row(c, y);
     const float* trust = confidence.row(0, y);
     for (int x = 1; x < cols - 1; x += how.stride_px) {
-      if (trust[x] < how.least_confidence || v[x] >= unseen_from || w[x] < pass_constants::kUnclipped)
+      if (trust[x] < how.least_confidence || v[x] >= unseen_variance || w[x] < pass_constants::kUnclipped)
         continue;
       const float variance = tables.variance(c, s[x]) + v[x];
       const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];

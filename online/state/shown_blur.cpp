@@ -35,7 +35,7 @@ struct ShownBlur::Seen {
   const FlowField& to_previous;
   const ExposureTables& tables;
   float stated;
-  float unseen_from;
+  float unseen_variance;
 };
 
 float ShownBlur::stated(const ExposedFrame& frame) {
@@ -111,7 +111,7 @@ void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& e
   bool knows = true;
   const auto light = [&](Offset by) {
     const BetweenPixels place(rows, cols, x, y, {motion.x + by.x, motion.y + by.y});
-    knows = knows && place.of(state.variance, channel) < seen.unseen_from;
+    knows = knows && place.of(state.variance, channel) < seen.unseen_variance;
     return place.of(state.radiance, channel);
   };
   const float here = light({});

@@ -63,7 +63,7 @@ std::size_t TextureError::compare_line(const Seen& seen, int y, float* shares) {
 // Squared difference between sample and carried state over the local contrast; none where it does not tell.
 std::optional<float> TextureError::compare(const Seen& seen, int channel, int y, int x) {
   using namespace clip_policy;
-  const auto& [frame, state, to_previous, tables, unseen_from] = seen;
+  const auto& [frame, state, to_previous, tables, unseen_variance] = seen;
   const float code = frame.codes.at(channel, y, x);
   if (code < kCompareDarkEnd || code > kCompareFadeBegin) return std::nullopt;
   const float dx = to_previous.vectors.at(0, y, x), dy = to_previous.vectors.at(1, y, x);
@@ -81,7 +81,7 @@ std::optional<float> TextureError::compare(const Seen& seen, int channel, int y,
     const float* row = light.row(channel, top - 1 + j) + left - 1;
     const float* variance = state.variance.row(channel, top - 1 + j) + left - 1;
     for (int i = 0; i < 4; ++i) {
-      if (variance[i] >= unseen_from) return std::nullopt;
+      if (variance[i] >= unseen_variance) return std::nullopt;
       sum += row[i], squares += row[i] * row[i];
     }
     carried[j] = between(row, across);

@@ -40,7 +40,7 @@ class TextureError {
     const RadianceState& state;
     const FlowField& to_previous;
     const ExposureTables& tables;
-    float unseen_from;
+    float unseen_variance;
   };
   static std::size_t compare_line(const Seen& seen, int y, float* shares);
   static std::optional<float> compare(const Seen& seen, int channel, int y, int x);
