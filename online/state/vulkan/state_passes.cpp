@@ -44,11 +44,14 @@ Result<GpuTables> GpuTables::make(GpuDevice& device) {
 }
 
 void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
-  std::vector<float> all;
-  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.radiances(c).begin(), tables.radiances(c).end());
-  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.variances(c).begin(), tables.variances(c).end());
-  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.hidden(c).begin(), tables.hidden(c).end());
-  work.upload(std::as_bytes(std::span(all)), *curves);
+  const auto add = [this](std::span<const float> table) {
+    staged.insert(staged.end(), table.begin(), table.end());
+  };
+  staged.clear();
+  for (int c = 0; c < 3; ++c) add(tables.radiances(c));
+  for (int c = 0; c < 3; ++c) add(tables.variances(c));
+  for (int c = 0; c < 3; ++c) add(tables.hidden(c));
+  work.upload(std::as_bytes(std::span(staged)), *curves);
   work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
   exposure = tables.exposure(), texture_error = tables.texture_error(), ringing = tables.ringing();
   doubts_textures = tables.doubts_textures();

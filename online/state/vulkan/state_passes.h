@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "hal/gpu/gpu_picture.h"
 #include "online/state/exposure_tables.h"
@@ -23,6 +24,7 @@ struct GpuTables {
   std::unique_ptr<GpuBuffer> curves, excess;
   float exposure = 1, texture_error = 0, ringing = 0;
   bool doubts_textures = false;
+  std::vector<float> staged;  // what curves becomes: its memory is used again
 
   static Result<GpuTables> make(GpuDevice& device);
   void take(const ExposureTables& tables, GpuWork& work);
