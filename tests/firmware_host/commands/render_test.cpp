@@ -192,14 +192,14 @@ TEST_CASE("a film of what no recorded frame shows is told from one of the scene"
 
 TEST_CASE("a film that shows a few recorded pixels is not said to be 100 percent made up", "[film]") {
   const std::string folder = sample::scratch_folder("render_nearly_all"), stats = folder + "/stats.json";
-  const RanHere run =
-      ran_here({"render", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "--preset", "fast", "--time", "0.2",
-                "--view", "1.06,0,0", "-o", folder + "/%06d.exr", "--stats", stats});
+  const test::Ran run =
+      test::ran({"render", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "--preset", "fast", "--time", "0.2",
+                 "--view", "1.06,0,0", "--force", "-o", folder + "/%06d.exr", "--stats", stats});
   REQUIRE(run.exit_code == 0);
   const std::string notes = nlohmann::json::parse(read_whole(posix_storage(), stats).value())["notes"].dump();
   CAPTURE(notes);
   REQUIRE_THAT(notes, Contains("film: 1 frame; 99."));  // of its pixels; 99.5 and more would round up
-  CHECK_THAT(run.err, Contains("no recorded frame shows 99 % of the film"));
+  CHECK_THAT(run.output, Contains("no recorded frame shows 99 % of the film"));
 }
 
 TEST_CASE("an exposure of its own shows what the camera recorded at that exposure", "[film]") {
