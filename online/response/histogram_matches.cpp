@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
+#include "capture/clip_policy.h"
 #include "online/pictures/same_scene.h"
 #include "online/pictures/sparse_lines.h"
 #include "online/response/blur_between.h"
 #include "online/response/exposure_corrections.h"
 #include "online/response/float_order.h"
+#include "online/response/neighbour_medians.h"
 
 namespace hdrcam {
 namespace {
@@ -16,15 +19,40 @@ namespace {
 constexpr double kDarkShare = 0.0005;  // of the pixels
 constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
 
-// A sorted channel that gives the place of its codes in the histogram.
+// The codes of a channel as they are, of the lines that are looked at.
+std::vector<float> plain_codes(const Image<float>& codes, int channel, int step) {
+  std::vector<float> plain;
+  plain.reserve(codes.plane_size() / static_cast<std::size_t>(step) + static_cast<std::size_t>(codes.cols()));
+  for (int y = 0; y < codes.rows(); y += step)
+    plain.insert(plain.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
+  return plain;
+}
+
+// A code of unsorted pixels, which it puts into another order.
+float quantile(std::vector<float>& codes, double share) {
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(codes.size()));
+  const auto at = codes.begin() + static_cast<std::ptrdiff_t>(std::min(codes.size() - 1, index));
+  std::nth_element(codes.begin(), at, codes.end());
+  return *at;
+}
+
+// One channel of the shorter and of the longer frame.
+struct CodesOfPair {
+  std::vector<float> shorter, longer;
+
+  // Of the pixels that are neither black in the shorter nor white in the longer frame; below 0: none.
+  double share_in_both() const {
+    const auto [first, last] = clip_policy::kResponseMatch;
+    const auto black = std::ranges::count_if(shorter, [first](float code) { return code < first; });
+    const auto seen = std::ranges::count_if(longer, [last](float code) { return code <= last; });
+    return static_cast<double>(seen - black) / static_cast<double>(longer.size());
+  }
+};
+
+// Codes in order, which know their place in the histogram.
 class Ranking {
  public:
-  Ranking(const Image<float>& codes, int channel, std::vector<float>& scratch) {
-    const int step = line_step(codes);
-    codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) +
-                   static_cast<std::size_t>(codes.cols()));
-    for (int y = 0; y < codes.rows(); y += step)
-      codes_.insert(codes_.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
+  Ranking(std::vector<float> codes, std::vector<float>& scratch) : codes_(std::move(codes)) {
     sort_floats(codes_, scratch);
   }
 
@@ -32,25 +60,34 @@ class Ranking {
     double code;   // midway between two neighbouring codes
     double share;  // of the pixels that are darker
   };
-  // The boundary between codes that is nearest to this share of the pixels.
-  Boundary boundary_near(double share) const {
+  // The boundary between codes that is nearest to this share of the pixels; none across a gap.
+  std::optional<Boundary> boundary_near(double share) const {
     const Plateau p = plateau(share);
     const double below = static_cast<double>(p.begin) / size(), above = static_cast<double>(p.end) / size();
-    return share - below < above - share ? Boundary{p.lower, below} : Boundary{p.upper, above};
+    const bool lower = share - below < above - share;
+    const double code = lower ? p.lower : p.upper;
+    if (std::abs(code - p.code) > kWidestGap / 2) return std::nullopt;
+    return Boundary{code, lower ? below : above};
   }
-  // The code below which this share of the pixels lies, linear within one code.
-  double code_at(double share) const {
+  // The code below which this share of the pixels lies, linear within one code; none where it is white.
+  std::optional<double> code_at(double share) const {
     const Plateau p = plateau(share);
+    if (p.code > static_cast<double>(clip_policy::kResponseMatch.brightest)) return std::nullopt;
     const double within =
         (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
-    return p.lower + (p.upper - p.lower) * std::clamp(within, 0.0, 1.0);
+    const double lower = std::max(p.lower, p.code - kWidestGap / 2),
+                 upper = std::min(p.upper, p.code + kWidestGap / 2);
+    return lower + (upper - lower) * std::clamp(within, 0.0, 1.0);
   }
-  float quantile(double share) const { return codes_[index(share)]; }
 
  private:
+  // codes that no pixel has, between two that are neighbours: light that the scene has not, wherever in the
+  // gap of the other frame it would be
+  static constexpr double kWidestGap = 8;
+
   struct Plateau {
-    std::size_t begin, end;  // the pixels of one code
-    double lower, upper;     // its boundaries
+    std::size_t begin, end;     // the pixels of one code
+    double code, lower, upper;  // its boundaries are midway to its neighbours
   };
   Plateau plateau(double share) const {
     const float code = codes_[index(share)];
@@ -59,7 +96,7 @@ class Ranking {
     const double lower = first == codes_.begin() ? z - 0.5 : (z + static_cast<double>(*std::prev(first))) / 2;
     const double upper = last == codes_.end() ? z + 0.5 : (z + static_cast<double>(*last)) / 2;
     return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()),
-            lower, upper};
+            z, lower, upper};
   }
   std::size_t index(double share) const {
     return std::min(codes_.size() - 1, static_cast<std::size_t>(share * size()));
@@ -68,6 +105,24 @@ class Ranking {
 
   std::vector<float> codes_;
 };
+
+// Where medians leave less than half of what both frames show, it was small lights, not noise, that they took
+// away.
+constexpr double kEnough = 0.5;
+
+std::ptrdiff_t usable(const std::vector<CodeMatch>& matches) {
+  const auto [first, last] = clip_policy::kResponseMatch;
+  return std::ranges::count_if(
+      matches, [first, last](const CodeMatch& match) { return match.z1 >= first && match.z2 <= last; });
+}
+
+bool too_few(const std::vector<CodeMatch>& matches, double expected) {
+  return static_cast<double>(usable(matches)) < kEnough * expected;
+}
+
+void prefer(std::vector<CodeMatch> plain, std::vector<CodeMatch>& matches) {
+  if (too_few(matches, static_cast<double>(usable(plain)))) matches = std::move(plain);
+}
 
 // Of a stream that goes on.
 void keep_newest(std::vector<CodeMatch>& matches) {
@@ -80,6 +135,20 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
   if (matches.size() > HistogramMatches::kMostPairs)
     matches.erase(
         std::ranges::min_element(matches, {}, [](const auto& entry) { return entry.second.newest; }));
+}
+
+std::vector<CodeMatch> matches_between(CodesOfPair codes) {
+  std::vector<float> scratch;
+  const Ranking dark(std::move(codes.shorter), scratch), light(std::move(codes.longer), scratch);
+  std::vector<CodeMatch> found;
+  for (int q = 1; q < HistogramMatches::kQuantiles; ++q) {
+    const auto boundary = dark.boundary_near(static_cast<double>(q) / HistogramMatches::kQuantiles);
+    if (!boundary || boundary->share <= kDarkShare || boundary->share >= 1 - kDarkShare) continue;
+    const std::optional<double> other = light.code_at(boundary->share);
+    if (other && *other >= boundary->code)
+      found.push_back({static_cast<float>(boundary->code), static_cast<float>(*other)});
+  }
+  return found;
 }
 
 }  // namespace
@@ -100,28 +169,29 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
 HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, const ExposedFrame& longer) {
   const BlackBounds bounds = bounds_by(shorter.exposure);
   const BlurLengths blur = blur_between(shorter.codes, longer.codes);
+  const int step = line_step(longer.codes);
   Image<float> blurred;
-  std::vector<float> scratch;
   OfPair found;
   for (std::size_t c = 0; c < 3; ++c) {
-    const int channel = static_cast<int>(c);
+    const int channel = static_cast<int>(c), dark_channel = blur.any() ? 0 : channel;
     if (blur.any()) blur_channel(shorter.codes, channel, blur, blurred);
-    const Ranking dark(blur.any() ? blurred : shorter.codes, blur.any() ? 0 : channel, scratch),
-        light(longer.codes, channel, scratch);
-    if (bounds != BlackBounds::Kept) {
-      const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
-      const bool anew = bounds == BlackBounds::Anew;
-      darkest_[c] = anew ? darkest : std::min(darkest_[c], darkest);
-      most_black_[c] = anew ? most : std::min(most_black_[c], most);
-    }
-    for (int q = 1; q < kQuantiles; ++q) {
-      const auto [code, share] = dark.boundary_near(static_cast<double>(q) / kQuantiles);
-      if (share <= kDarkShare || share >= 1 - kDarkShare) continue;
-      const double other = light.code_at(share);
-      if (other >= code) found[c].push_back({static_cast<float>(code), static_cast<float>(other)});
-    }
+    const Image<float>& dark = blur.any() ? blurred : shorter.codes;
+    CodesOfPair plain{plain_codes(dark, dark_channel, step), plain_codes(longer.codes, channel, step)};
+    bound_black(c, plain.shorter, bounds);
+    found[c] = matches_between(
+        {neighbour_medians(dark, dark_channel, step), neighbour_medians(longer.codes, channel, step)});
+    if (too_few(found[c], plain.share_in_both() * kQuantiles))
+      prefer(matches_between(std::move(plain)), found[c]);
   }
   return found;
+}
+
+void HistogramMatches::bound_black(std::size_t channel, std::vector<float>& codes, BlackBounds bounds) {
+  if (bounds == BlackBounds::Kept) return;
+  const float darkest = quantile(codes, kDarkShare), most = quantile(codes, kBelowBlack);
+  const bool anew = bounds == BlackBounds::Anew;
+  darkest_[channel] = anew ? darkest : std::min(darkest_[channel], darkest);
+  most_black_[channel] = anew ? most : std::min(most_black_[channel], most);
 }
 
 HistogramMatches::BlackBounds HistogramMatches::bounds_by(float exposure) {

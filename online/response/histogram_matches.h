@@ -1,8 +1,9 @@
 // Which codes of two exposures are the same light, from the histograms of neighbouring frames. These show
 // about the same scene, so the share q of the pixels that is darker than code z1 in one, at exposure E1, is
 // darker than z2 in the other, at E2. The boundaries between codes are matched, whose place in a histogram is
-// exact, not codes, which are half a step wide at worst. No alignment, no flow: matches along the flow made
-// the response worse (docs/decisions/response.md). Thread-bound.
+// exact, not codes, which are half a step wide at worst. The codes are medians of neighbours
+// (neighbour_medians.h), as noise widens a histogram and would move its quantiles. No alignment, no flow:
+// matches along the flow made the response worse (docs/decisions/response.md). Thread-bound.
 #pragma once
 
 #include <array>
@@ -66,6 +67,8 @@ class HistogramMatches {
   // Takes the bounds of the black level from the shorter frame, too.
   OfPair match(const ExposedFrame& shorter, const ExposedFrame& longer);
   BlackBounds bounds_by(float exposure);
+  // Puts the codes into another order.
+  void bound_black(std::size_t channel, std::vector<float>& codes, BlackBounds bounds);
   void keep(const OfPair& found, float shorter, float longer);  // exposures
 
   int pairs_ = 0;

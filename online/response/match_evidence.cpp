@@ -12,11 +12,14 @@ namespace {
 
 // Variance of g where a code is matched: of its quantisation and of its noise.
 double variance_of(const Knots& code, const Eigen::VectorXd& g, const MatchNoise& noise) {
-  constexpr int kFullKnot = 250;  // code 251: its light is 1 for the noise
-  constexpr double kWidened = 2;  // how far noise that widens a histogram moves its quantiles
+  constexpr int kFullKnot = 250;           // code 251: its light is 1 for the noise
+  constexpr double kWidened = 2;           // how far noise that widens a histogram moves its quantiles
+  constexpr double kLeftByMedians = 0.18;  // of the variance of white noise (neighbour_medians.h)
   const double slope = code.slope(g), x = std::exp(code.of(g) - g[kFullKnot]);
   const double relative = static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
-  return slope * slope / 12 + 0.5 * relative + (noise.is_own ? kWidened * relative * relative : 0);
+  if (!noise.is_own) return slope * slope / 12 + 0.5 * relative;
+  const double left = kLeftByMedians * relative;
+  return slope * slope / 12 + 0.5 * left + kWidened * left * left;
 }
 
 }  // namespace

@@ -139,12 +139,16 @@ TEST_CASE("frames of another gain, whose noise is another, and damaged ones are 
 
 TEST_CASE(
     "where two exposures share hardly a code, the sensor's noise tells the curve, full well and read noise") {
-  for (const float exponent : {1.1f, 3.2f}) {  // far from the mean of real cameras
+  struct Row {
+    float exponent;  // far from the mean of real cameras
+    double left;     // of the error without it: matches tell less of a curve that is nearly straight
+  };
+  for (const auto& [exponent, left] : {Row{1.1f, 0.35}, {3.2f, 0.9}}) {
     const Response response = Response::gamma(exponent);
     ResponseEstimator blind, seeing;
     ExposedFrame before;
     for (int i = 0; i < 6; ++i) {
-      ExposedFrame frame = recorded(i, i % 2 == 0 ? 0.03f : 1, response);
+      ExposedFrame frame = recorded(i, i % 2 == 0 ? 0.015f : 1, response);
       seeing.add_noise(frame);
       if (i > 0)
         for (ResponseEstimator* estimator : {&blind, &seeing}) CHECK(estimator->add_pair(before, frame));
@@ -153,8 +157,8 @@ TEST_CASE(
     const ResponseEstimate without = blind.estimate({}), with = seeing.estimate({});
     INFO("gamma " << exponent << ": " << response_error(without.response, response) << " and "
                   << response_error(with.response, response) << " stop");
-    CHECK(response_error(with.response, response) < 0.2);
-    CHECK(response_error(with.response, response) < 0.55 * response_error(without.response, response));
+    CHECK(response_error(with.response, response) < 0.15);
+    CHECK(response_error(with.response, response) < left * response_error(without.response, response));
     CHECK_FALSE(without.noise.has_value());
     REQUIRE(with.noise.has_value());
     CHECK(with.noise->full_well == Approx(kFullWell).epsilon(0.25));

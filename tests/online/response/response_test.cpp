@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -186,6 +187,32 @@ TEST_CASE("under a known response exposures are found as they are, and the noise
     CHECK(off(1) - off(0) == Approx(0).margin(0.02));  // even where all would be a power
     CHECK(off(2) - off(1) == Approx(true_stops).margin(0.02));
   }
+}
+
+TEST_CASE(
+    "under a known response noise in the dark is not taken for light that exposures would have to explain") {
+  // ten bits, 20000 electrons, read noise 6; light of 1.5 codes in the short, of 6 in the long exposure
+  constexpr double kFullWell = 20000, kReadNoise = 6, kLargest = 1023;
+  const Response known = Response::gamma(2);
+  ResponseEstimator estimator;
+  std::array<ExposedFrame, 6> frames;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double light = (i % 2 == 0 ? 1.5 : 6) / kLargest;
+    std::uint64_t pixel = i << 32;
+    frames[i] = frame_of(i % 2 == 0 ? 1 : 4, [&](int, int, int) {
+      const double electrons = light * kFullWell + test::MovingScene::noise(++pixel) *
+                                                       std::hypot(std::sqrt(light * kFullWell), kReadNoise);
+      const double code = std::round(std::clamp(electrons / kFullWell * kLargest, 0.0, kLargest));
+      return static_cast<float>(255 * std::sqrt(code / kLargest));
+    });
+    if (i > 0) CHECK(estimator.add_pair(frames[i - 1], frames[i]));
+  }
+  const ExposureCorrections found = estimator.estimate_under(known, {}).exposures;
+  const auto off = [&](std::size_t i) {
+    return std::log2(found.corrected(frames[i].exposure) / frames[i].exposure);
+  };
+  INFO(off(0) << " " << off(1) << " stop");
+  CHECK(off(1) - off(0) == Approx(0).margin(0.01));
 }
 
 TEST_CASE("under a known response two scenes on either side of a cut say nothing of their exposures") {
