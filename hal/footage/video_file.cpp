@@ -15,6 +15,7 @@
 #include "hal/core/split_text.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/footage.h"
+#include "hal/footage/tiff_objection.h"
 
 namespace hdrcam {
 namespace {
@@ -204,12 +205,22 @@ Result<bool> VideoFile::decode() {
 Result<void> VideoFile::feed() {
   const int read = av_read_frame(demuxer_.get(), packet_.get());
   if (stream_.failure()) return *stream_.failure();
-  if (read >= 0 && packet_->stream_index == track_) send(*packet_);
+  if (read >= 0 && packet_->stream_index == track_) {
+    TRY(check_codes(*packet_));
+    send(*packet_);
+  }
   av_packet_unref(packet_.get());
   if (read >= 0) return {};
   const int code = avcodec_send_packet(decoder_.get(), nullptr);  // the end: what is inside comes out
   if (code < 0 && code != AVERROR_EOF) lose_until_key();
   return {};
+}
+
+// What the decoder would take wrongly without a word.
+Result<void> VideoFile::check_codes(const AVPacket& packet) const {
+  if (decoder_->codec_id != AV_CODEC_ID_TIFF) return {};
+  const auto objection = objection_to_tiff(std::span(packet.data, static_cast<std::size_t>(packet.size)));
+  return objection ? refused(ErrorCode::Unsupported, *objection) : Result<void>{};
 }
 
 // A packet that was cut, and those that refer to it, stay outside.

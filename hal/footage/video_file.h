@@ -22,7 +22,7 @@ class VideoFile : public PictureFile {
 
   const PictureFileFacts& facts() const override { return facts_; }
   // Beyond what PictureFile says: Unsupported for interlaced video, floating point, a colour space without
-  // RGB.
+  // RGB, TIFF in tiles or with JPEG inside.
   Result<bool> next(RawFrame& frame) override;
   std::optional<ExifTime> taken() const override;
   ExifFactors factors() const override;
@@ -39,6 +39,7 @@ class VideoFile : public PictureFile {
   Result<void> open_decoder();
   Result<bool> decode();
   Result<void> feed();
+  Result<void> check_codes(const AVPacket& packet) const;
   void send(const AVPacket& packet);
   bool is_whole();
   void lose_until_key();
