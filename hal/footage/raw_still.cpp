@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -73,6 +74,18 @@ bool reaches_beyond(const libraw_image_sizes_t& sizes) {
   return sizes.left_margin + sizes.width > sizes.raw_width ||
          sizes.top_margin + sizes.height > sizes.raw_height ||
          sizes.raw_width * sizeof(ushort) > sizes.raw_pitch;
+}
+
+// LibRaw before 0.21 reads the tiles of a DNG without compression as if their rows went across the picture.
+bool mixes_tiles([[maybe_unused]] LibRaw& raw) {
+#if LIBRAW_COMPILE_CHECK_VERSION_NOTLESS(0, 21)
+  return false;
+#else
+  const auto& tile = raw.get_internal_data_pointer()->unpacker_data;
+  const bool untiled = tile.tile_width == std::numeric_limits<int>::max();
+  return !untiled && std::string_view(raw.unpack_function_name()) == "packed_dng_load_raw()" &&
+         (tile.tile_width != raw.imgdata.sizes.raw_width || tile.tile_length < raw.imgdata.sizes.raw_height);
+#endif
 }
 
 class RawStill : public PictureFile {
@@ -161,6 +174,12 @@ Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std:
   if (const int code = raw->open_buffer(bytes.data(), bytes.size()); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(code))};
+  if (mixes_tiles(*raw))
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("'{}' is a DNG in tiles without compression, which this machine's LibRaw reads in "
+                    "the wrong order; convert it to a DNG with lossless compression",
+                    path)};
   if (const int code = raw->unpack(); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: {}", path, libraw_strerror(code))};
   auto still = std::make_unique<RawStill>();

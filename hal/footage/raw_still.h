@@ -16,7 +16,7 @@ namespace hdrcam {
 bool is_raw_still(const std::string& path);
 
 // Errors: NotFound, Permission; NotRecording for what LibRaw does not know; Corrupt; Unsupported for a sensor
-// without a Bayer mosaic.
+// without a Bayer mosaic, and for tiles that LibRaw would mix up.
 Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

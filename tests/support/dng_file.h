@@ -21,8 +21,44 @@ struct DngStill {
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
   std::string date_time, sub_second;                     // of EXIF; "": none
   std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
+  std::uint32_t tile_px = 0;                             // side of its tiles; 0: one strip
   std::function<std::uint16_t(int, int)> code_at;        // by row and column
 };
+
+// The mosaic row by row, or tile by tile; what reaches beyond it is 0.
+inline std::vector<std::uint8_t> mosaic_of(const DngStill& still) {
+  std::vector<std::uint8_t> bytes;
+  const int tile = static_cast<int>(still.tile_px);
+  const int rows = tile > 0 ? tile : still.rows, cols = tile > 0 ? tile : still.cols;
+  for (int top = 0; top < still.rows; top += rows)
+    for (int left = 0; left < still.cols; left += cols)
+      for (int y = top; y < top + rows; ++y)
+        for (int x = left; x < left + cols; ++x)
+          TiffDirectory::put(bytes, y < still.rows && x < still.cols ? still.code_at(y, x) : 0, 2);
+  return bytes;
+}
+
+// Where the strip or the tiles are.
+inline void add_places(const DngStill& still, std::uint32_t mosaic_at, TiffDirectory& dng) {
+  const auto rows = static_cast<std::uint32_t>(still.rows), cols = static_cast<std::uint32_t>(still.cols);
+  const std::uint32_t tile = still.tile_px;
+  if (tile == 0) {
+    dng.longs(tiff_tag::kStripOffsets, {mosaic_at});
+    dng.shorts(tiff_tag::kSamplesPerPixel, {1});
+    dng.longs(tiff_tag::kRowsPerStrip, {rows});
+    dng.longs(tiff_tag::kStripByteCounts, {rows * cols * 2});
+    return;
+  }
+  std::vector<std::uint32_t> offsets;
+  const std::uint32_t tiles = ((rows + tile - 1) / tile) * ((cols + tile - 1) / tile),
+                      bytes = tile * tile * 2;
+  for (std::uint32_t i = 0; i < tiles; ++i) offsets.push_back(mosaic_at + i * bytes);
+  dng.shorts(tiff_tag::kSamplesPerPixel, {1});
+  dng.longs(tiff_tag::kTileWidth, {tile});
+  dng.longs(tiff_tag::kTileLength, {tile});
+  dng.longs(tiff_tag::kTileOffsets, offsets);
+  dng.longs(tiff_tag::kTileByteCounts, std::vector<std::uint32_t>(tiles, bytes));
+}
 
 inline std::string write_dng(const std::string& path, const DngStill& still) {
   constexpr std::uint16_t kColorFilterArray = 32803;  // a photometric interpretation
@@ -38,10 +74,7 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     dng.shorts(tiff_tag::kPhotometricInterpretation, {kColorFilterArray});
     dng.text(tiff_tag::kMake, "Maker");
     dng.text(tiff_tag::kModel, "Model");
-    dng.longs(tiff_tag::kStripOffsets, {mosaic_at});
-    dng.shorts(tiff_tag::kSamplesPerPixel, {1});
-    dng.longs(tiff_tag::kRowsPerStrip, {rows});
-    dng.longs(tiff_tag::kStripByteCounts, {rows * cols * 2});
+    add_places(still, mosaic_at, dng);
     dng.shorts(tiff_tag::kCfaRepeatPatternDim, {2, 2});
     dng.bytes(tiff_tag::kCfaPattern, still.pattern);
     dng.longs(tiff_tag::kExifDirectory, {exif_at});
@@ -55,11 +88,11 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     return dng.at(8);
   };
   const auto mosaic_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());
-  const std::uint32_t exif_at = mosaic_at + rows * cols * 2;
+  const std::vector<std::uint8_t> mosaic = mosaic_of(still);
+  const auto exif_at = static_cast<std::uint32_t>(mosaic_at + mosaic.size());
   std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};
   for (const auto byte : directory(mosaic_at, exif_at)) bytes.push_back(byte);
-  for (int y = 0; y < still.rows; ++y)
-    for (int x = 0; x < still.cols; ++x) TiffDirectory::put(bytes, still.code_at(y, x), 2);
+  for (const auto byte : mosaic) bytes.push_back(byte);
   TiffDirectory exif;
   exif.rationals(tiff_tag::kExposureTime, {1, still.shutter_per_s});
   exif.rationals(tiff_tag::kFNumber, {56, 10});

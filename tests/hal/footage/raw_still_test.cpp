@@ -103,6 +103,27 @@ TEST_CASE("a raw still whose picture reaches beyond its raw data is damaged") {
   }
 }
 
+TEST_CASE("a DNG in tiles comes as its mosaic, or is refused where LibRaw mixes the tiles up") {
+  const std::string folder = sample::scratch_folder("raw_still_tiles");
+  test::DngStill still;
+  still.rows = still.cols = 64, still.code_at = code_at;
+  for (const std::uint32_t tile_px : {32u, 48u, 64u}) {
+    CAPTURE(tile_px);
+    still.tile_px = tile_px;
+    auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/tiles.dng", still)}, 0);
+    if (!footage && tile_px != 64) {
+      CHECK(footage.error().code == ErrorCode::Unsupported);
+      CHECK_THAT(footage.error().message, Contains("tiles.dng") && Contains("in tiles without compression"));
+      continue;
+    }
+    REQUIRE(footage.ok());  // one tile is the picture
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    CHECK(frame.codes.at(0, 3, 5) == code_at(3, 5));
+    CHECK(frame.codes.at(0, 50, 61) == code_at(50, 61));
+  }
+}
+
 TEST_CASE("a raw still that is damaged, or none, is an error that names it") {
   const std::string folder = sample::scratch_folder("raw_still_wrong");
   std::ofstream(folder + "/text.nef") << "no raw still\n";
