@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -60,13 +61,23 @@ std::optional<PixelLayout> layout_of(LibRaw& raw) {
   return std::nullopt;
 }
 
-// Of all colours together, in codes: the common one, the mean of the four, and that of a pattern.
-double black_of(const libraw_colordata_t& color) {
-  double black = color.black;
-  for (int i = 0; i < 4; ++i) black += color.cblack[i] / 4.0;
-  const unsigned cells = color.cblack[4] * color.cblack[5];
-  for (unsigned i = 0; i < cells; ++i) black += static_cast<double>(color.cblack[6 + i]) / cells;
+// Of all colours together: the common level, the mean of the four, and that of a pattern.
+template <class Level>
+double mean_black(Level common, const Level (&levels)[LIBRAW_CBLACK_SIZE]) {
+  double black = common;
+  for (int i = 0; i < 4; ++i) black += static_cast<double>(levels[i]) / 4;
+  const auto cells = std::min(static_cast<unsigned>(levels[4] * levels[5]), LIBRAW_CBLACK_SIZE - 6u);
+  for (unsigned i = 0; i < cells; ++i) black += static_cast<double>(levels[6 + i]) / cells;
   return black;
+}
+
+// In codes. LibRaw makes whole codes of the levels of a DNG, which may be fractions.
+double black_of(const libraw_data_t& raw) {
+  const libraw_colordata_t& color = raw.color;
+  const double black = mean_black(color.black, color.cblack);
+  const double stated = mean_black(color.dng_levels.dng_fblack, color.dng_levels.dng_fcblack);
+  const bool is_measured = std::abs(stated - black) >= 1;  // in masked pixels
+  return raw.idata.dng_version == 0 || is_measured ? black : stated;
 }
 
 // Whether the picture that the file states is more than its raw data holds.
@@ -140,7 +151,7 @@ class RawStill : public PictureFile {
  private:
   void add_facts(const LibRaw& raw) {
     FrameFacts& facts = frame_.facts;
-    facts.black_level = BlackLevel::of_code(black_of(raw.imgdata.color), facts_.bits);
+    facts.black_level = BlackLevel::of_code(black_of(raw.imgdata), facts_.bits);
     facts.exposure_source = ExposureSource::Unknown;
     const libraw_imgother_t& other = raw.imgdata.other;
     if (!(other.shutter > 0)) return;

@@ -16,6 +16,7 @@ struct DngStill {
   int rows = 48, cols = 64;
   std::vector<std::uint8_t> pattern{0, 1, 1, 2};  // of the four sites: 0 red, 1 green, 2 blue
   std::uint32_t black = 256, white = 4000;        // codes
+  std::vector<std::uint32_t> black_tenths;        // of the four sites; empty: black
   std::uint32_t shutter_per_s = 250;              // the exposure is 1 / so much
   std::uint16_t iso = 400;
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
@@ -60,6 +61,14 @@ inline void add_places(const DngStill& still, std::uint32_t mosaic_at, TiffDirec
   dng.longs(tiff_tag::kTileByteCounts, std::vector<std::uint32_t>(tiles, bytes));
 }
 
+inline void add_black_level(const DngStill& still, TiffDirectory& dng) {
+  if (still.black_tenths.empty()) return dng.longs(tiff_tag::kBlackLevel, {still.black});
+  std::vector<std::uint32_t> fractions;
+  for (const std::uint32_t tenths : still.black_tenths) fractions.push_back(tenths), fractions.push_back(10);
+  dng.shorts(tiff_tag::kBlackLevelRepeatDim, {2, 2});
+  dng.rationals(tiff_tag::kBlackLevel, fractions);
+}
+
 inline std::string write_dng(const std::string& path, const DngStill& still) {
   constexpr std::uint16_t kColorFilterArray = 32803;  // a photometric interpretation
   const auto rows = static_cast<std::uint32_t>(still.rows), cols = static_cast<std::uint32_t>(still.cols);
@@ -80,7 +89,7 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     dng.longs(tiff_tag::kExifDirectory, {exif_at});
     dng.bytes(tiff_tag::kDngVersion, {1, 4, 0, 0});
     dng.text(tiff_tag::kUniqueCameraModel, "Maker Model");
-    dng.longs(tiff_tag::kBlackLevel, {still.black});
+    add_black_level(still, dng);
     dng.longs(tiff_tag::kWhiteLevel, {still.white});
     dng.signed_rationals(tiff_tag::kColorMatrix1, {1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1});
     if (!still.neutral.empty()) dng.rationals(tiff_tag::kAsShotNeutral, still.neutral);

@@ -55,6 +55,18 @@ TEST_CASE("a raw still is the mosaic of its sensor, linear, with black level and
   }
 }
 
+TEST_CASE("the black level of a raw still keeps the fractions that its file states") {
+  test::DngStill still;
+  still.black_tenths = {2566, 2567, 2568, 2567}, still.code_at = code_at;
+  const std::string path = sample::scratch_folder("raw_still_black") + "/x.dng";
+  auto footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
+  REQUIRE(footage.ok());
+  RawFrame frame;
+  REQUIRE(footage.value()->next(frame).value());
+  REQUIRE(frame.facts.black_level);
+  CHECK(frame.facts.black_level->code(12) == Approx(256.7).margin(1e-3));
+}
+
 TEST_CASE("a raw still carries the white balance of its camera and the time at which it was taken") {
   const std::string folder = sample::scratch_folder("raw_still_facts");
   test::DngStill still;
