@@ -11,6 +11,7 @@
 
 #include "hal/core/file_extension.h"
 #include "hal/core/folder_listing.h"
+#include "hal/core/sound_facts.h"
 #include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
 
@@ -78,6 +79,7 @@ class FootageFiles : public FootageReader {
     camera_.linear = file_->facts().linear;
     camera_.white_balance = file_->facts().white_balance;
     about_ = file_->facts().format;
+    TRY(check_size());
     TRY(check_model());
     return {};
   }
@@ -113,6 +115,16 @@ class FootageFiles : public FootageReader {
   }
 
  private:
+  // Whether a recording can hold it; before all the others are read.
+  Result<void> check_size() const {
+    const auto fits = [](int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; };
+    if (fits(camera_.width) && fits(camera_.height)) return {};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' has {}x{} pixels, and a recording holds sides of {} to {}; crop or scale "
+                             "the pictures first",
+                             path(), camera_.width, camera_.height, kMinSidePx, kMaxSidePx)};
+  }
+
   // One clip has one response. Always true where it is no error.
   Result<bool> check_model() {
     const std::string& model = file_->facts().model;

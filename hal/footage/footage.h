@@ -50,7 +50,7 @@ class FootageReader {
 
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
 // it; 0: 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
-// SizeChanged.
+// also for pictures that no recording can hold; SizeChanged.
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz);
 

@@ -358,6 +358,19 @@ TEST_CASE("what is no footage is an error that names the file") {
              Contains("b.png") && Contains("96x32") && Contains("of one kind and size"));
 }
 
+TEST_CASE("pictures that no recording can hold are refused at once, and named") {
+  const std::string folder = sample::scratch_folder("footage_sides");
+  for (const auto& [rows, cols] : {std::pair{1, 64}, std::pair{64, 1}, std::pair{2, 16385}}) {
+    const std::string path = png(fmt::format("{}/{}x{}.png", folder, cols, rows), patches(0, rows, cols));
+    const Read refused = read({path});
+    REQUIRE(refused.error);
+    CHECK(refused.error->code == ErrorCode::Unsupported);
+    CHECK_THAT(refused.error->message,
+               Contains(path) && Contains(fmt::format("has {}x{} pixels", cols, rows)));
+  }
+  CHECK_FALSE(read({png(folder + "/wide.png", patches(0, 2, 16384))}).error);
+}
+
 TEST_CASE("a name is no pattern, and a playlist opens nothing") {
   const std::string folder = sample::scratch_folder("footage_names");
   test::write_jpeg(folder + "/a%02d.jpg", patches(0), std::nullopt);
