@@ -22,22 +22,37 @@ constexpr std::string_view kExtensions[] = {".arw", ".cr2", ".cr3", ".dng", ".ne
 
 constexpr int kMostTextBytes = 64;  // of EXIF's times
 
-// The texts of EXIF that say when the still was taken.
-struct TimeTexts {
-  std::string date_time, sub_second, offset;
+// What EXIF states beside what LibRaw takes from it.
+struct ExifExtras {
+  std::string date_time, sub_second, offset;  // when the still was taken
+  std::uint32_t sensitivity = 0;              // beyond 16 bits; 0: not stated
 };
 
+std::uint32_t read_long(LibRaw_abstract_datastream& file, unsigned byte_order) {
+  constexpr unsigned kLittleEndian = 0x4949;
+  std::uint8_t bytes[4]{};
+  if (file.read(bytes, 1, sizeof bytes) != sizeof bytes) return 0;
+  std::uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value = value << 8 | bytes[byte_order == kLittleEndian ? 3 - i : i];
+  return value;
+}
+
 // Called by LibRaw for every entry of the EXIF directory, with the file at its value.
-void read_time_text(void* texts, int tag, int, int length, unsigned, void* file, INT64) {
+void read_extras(void* extras, int tag, int type, int length, unsigned byte_order, void* file, INT64) {
   constexpr int kDateTimeOriginal = 0x9003, kOffsetTimeOriginal = 0x9011, kSubSecTimeOriginal = 0x9291;
-  auto& found = *static_cast<TimeTexts*>(texts);
+  constexpr int kOutputSensitivity = 0x8831, kExposureIndex = 0x8832, kIsoSpeed = 0x8833, kLong = 4;
+  auto& found = *static_cast<ExifExtras*>(extras);
+  auto& stream = *static_cast<LibRaw_abstract_datastream*>(file);
+  const bool is_sensitivity = tag == kOutputSensitivity || tag == kExposureIndex || tag == kIsoSpeed;
+  if (is_sensitivity && type == kLong && found.sensitivity == 0)
+    found.sensitivity = read_long(stream, byte_order);
   std::string* const text = tag == kDateTimeOriginal     ? &found.date_time
                             : tag == kOffsetTimeOriginal ? &found.offset
                             : tag == kSubSecTimeOriginal ? &found.sub_second
                                                          : nullptr;
   if (text == nullptr || length <= 0 || length > kMostTextBytes) return;
   text->resize(static_cast<std::size_t>(length));
-  const int read = static_cast<LibRaw_abstract_datastream*>(file)->read(text->data(), 1, text->size());
+  const int read = stream.read(text->data(), 1, text->size());
   text->resize(static_cast<std::size_t>(std::max(read, 0)));
 }
 
@@ -113,7 +128,7 @@ class RawStill : public PictureFile {
   std::optional<ExifTime> taken() const override { return taken_; }
   ExifFactors factors() const override { return factors_; }
 
-  Result<void> develop(LibRaw& raw, const TimeTexts& times, const std::string& path) {
+  Result<void> develop(LibRaw& raw, const ExifExtras& extras, const std::string& path) {
     const auto layout = layout_of(raw);
     const auto& sizes = raw.imgdata.sizes;
     const ushort* const codes = raw.imgdata.rawdata.raw_image;
@@ -143,13 +158,13 @@ class RawStill : public PictureFile {
                      [&](ushort code) { return code >= white ? largest : static_cast<std::uint16_t>(code); });
     }
     facts_.white_balance = white_balance_of(raw.imgdata.color);
-    taken_ = exif_time(times.date_time, times.sub_second, times.offset);
-    add_facts(raw);
+    taken_ = exif_time(extras.date_time, extras.sub_second, extras.offset);
+    add_facts(raw, extras);
     return {};
   }
 
  private:
-  void add_facts(const LibRaw& raw) {
+  void add_facts(const LibRaw& raw, const ExifExtras& extras) {
     FrameFacts& facts = frame_.facts;
     facts.black_level = BlackLevel::of_code(black_of(raw.imgdata), facts_.bits);
     facts.exposure_source = ExposureSource::Unknown;
@@ -158,8 +173,11 @@ class RawStill : public PictureFile {
     const auto stated = [](float value) {
       return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
     };
-    const ExifExposure exposure{static_cast<double>(other.shutter), stated(other.iso_speed),
-                                stated(other.aperture)};
+    ExifExposure exposure{static_cast<double>(other.shutter), stated(other.iso_speed),
+                          stated(other.aperture)};
+    constexpr double kOrMore = 65535;  // as in a JPEG (video_file.cpp)
+    if (!exposure.iso || *exposure.iso == kOrMore)
+      exposure.iso = stated(static_cast<float>(extras.sensitivity));
     take_exif_exposure(exposure, facts);
     factors_ = factors_of(exposure);
   }
@@ -180,8 +198,8 @@ bool is_raw_still(const std::string& path) {
 Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path) {
   std::string bytes = TRY(read_whole(storage, path));
   const auto raw = std::make_unique<LibRaw>();  // some hundred kilobytes
-  TimeTexts times;
-  raw->set_exifparser_handler(read_time_text, &times);
+  ExifExtras extras;
+  raw->set_exifparser_handler(read_extras, &extras);
   if (const int code = raw->open_buffer(bytes.data(), bytes.size()); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(code))};
@@ -194,7 +212,7 @@ Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std:
   if (const int code = raw->unpack(); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: {}", path, libraw_strerror(code))};
   auto still = std::make_unique<RawStill>();
-  TRY(still->develop(*raw, times, path));
+  TRY(still->develop(*raw, extras, path));
   return std::unique_ptr<PictureFile>(std::move(still));
 }
 

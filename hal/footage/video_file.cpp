@@ -91,11 +91,11 @@ std::string exif_model(const AVFrame& frame) {
 }
 
 // Exif 2.3, 4.6.5: PhotographicSensitivity has 16 bits, and its largest value stands for any beyond, which
-// one of three others states. FFmpeg has no names for them, newer ones do.
+// one of three others states; some files have only one of these. FFmpeg has no names for them, newer ones do.
 std::optional<double> exif_iso(const AVFrame& frame) {
   constexpr double kOrMore = 65535;
   const auto iso = exif_number(frame, "ISOSpeedRatings");
-  if (!iso || *iso < kOrMore) return iso;
+  if (iso && *iso < kOrMore) return iso;
   for (const char* const tag :
        {"0x8832", "RecommendedExposureIndex", "0x8833", "ISOSpeed", "0x8831", "StandardOutputSensitivity"})
     if (const auto stated = exif_number(frame, tag)) return stated;

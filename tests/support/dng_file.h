@@ -19,6 +19,7 @@ struct DngStill {
   std::vector<std::uint32_t> black_tenths;        // of the four sites; empty: black
   std::uint32_t shutter_per_s = 250;              // the exposure is 1 / so much
   std::uint16_t iso = 400;
+  std::uint32_t exposure_index = 0;                      // the sensitivity beyond 16 bits; 0: not stated
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
   std::string date_time, sub_second;                     // of EXIF; "": none
   std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
@@ -106,6 +107,7 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
   exif.rationals(tiff_tag::kExposureTime, {1, still.shutter_per_s});
   exif.rationals(tiff_tag::kFNumber, {56, 10});
   exif.shorts(tiff_tag::kIsoSpeed, {still.iso});
+  if (still.exposure_index > 0) exif.longs(tiff_tag::kRecommendedExposureIndex, {still.exposure_index});
   if (!still.date_time.empty()) exif.text(tiff_tag::kDateTimeOriginal, still.date_time);
   if (!still.sub_second.empty()) exif.text(tiff_tag::kSubSecTimeOriginal, still.sub_second);
   for (const auto byte : exif.at(exif_at)) bytes.push_back(byte);

@@ -91,7 +91,7 @@ inline Result<void> write_raw_h264(const std::string& video, const std::string& 
 
 struct Exif {
   std::uint32_t time_numerator = 1, time_denominator = 250;
-  std::uint16_t iso = 100;
+  std::uint16_t iso = 100;  // 0: not stated
   std::uint32_t f_number_tenths = 28;
   // DateTimeOriginal and what goes with it; "": none.
   std::string date_time = {}, sub_second = {}, offset = {};
@@ -112,7 +112,7 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   TiffDirectory tags;
   tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
   tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
-  tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
+  if (exif.iso > 0) tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
   if (exif.exposure_index > 0) tags.longs(tiff_tag::kRecommendedExposureIndex, {exif.exposure_index});
   const auto text = [&](std::uint16_t tag, const std::string& value) {
     if (!value.empty()) tags.text(tag, value);

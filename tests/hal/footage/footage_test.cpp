@@ -294,6 +294,19 @@ TEST_CASE("a sensitivity beyond 65535 is the one that EXIF states beside it") {
   CHECK(bracket.frames[1].facts.analogue_gain == Approx(512));
 }
 
+TEST_CASE("a sensitivity that EXIF states as recommended exposure index alone counts") {
+  const std::string folder = sample::scratch_folder("footage_index");
+  test::Exif exif{1, 1000, 0, 28};
+  exif.exposure_index = 400;
+  test::write_jpeg(folder + "/a.jpg", patches(0), exif);
+  const auto footage = open_footage(posix_storage(), {folder + "/a.jpg"}, 0);
+  REQUIRE(footage.ok());
+  RawFrame frame;
+  REQUIRE(footage.value()->next(frame).value());
+  CHECK(frame.facts.analogue_gain == Approx(4));
+  CHECK(footage.value()->factors().iso);
+}
+
 TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is no frame") {
   const std::string folder = sample::scratch_folder("footage_second_picture");
   test::write_jpeg(folder + "/preview.jpg", patches(7, 32, 48), std::nullopt);

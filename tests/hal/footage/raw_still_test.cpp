@@ -67,6 +67,22 @@ TEST_CASE("the black level of a raw still keeps the fractions that its file stat
   CHECK(frame.facts.black_level->code(12) == Approx(256.7).margin(1e-3));
 }
 
+TEST_CASE("a raw still's sensitivity beyond 65535 is the one that EXIF states beside it") {
+  const std::string folder = sample::scratch_folder("raw_still_iso");
+  test::DngStill still;
+  still.code_at = code_at, still.iso = 65535;
+  for (const std::uint32_t index : {204800u, 0u}) {
+    CAPTURE(index);
+    still.exposure_index = index;
+    auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/x.dng", still)}, 0);
+    REQUIRE(footage.ok());
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    CHECK(footage.value()->factors().iso == (index > 0));  // 65535 alone may be any
+    if (index > 0) CHECK(frame.facts.analogue_gain == Approx(2048));
+  }
+}
+
 TEST_CASE("a raw still carries the white balance of its camera and the time at which it was taken") {
   const std::string folder = sample::scratch_folder("raw_still_facts");
   test::DngStill still;
