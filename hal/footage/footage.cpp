@@ -151,7 +151,7 @@ class FootageFiles : public FootageReader {
     frame.facts.sequence = frames_++;
     taken_ = file_->taken();
     factors_ = file_->factors();
-    still_ = file_->facts().framerate_hz == 0;
+    still_ = file_->facts().still;
     timed_ = file_->facts().timed;
     last_ = frame.facts.timestamp;
     return true;

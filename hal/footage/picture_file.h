@@ -18,7 +18,8 @@ struct PictureFileFacts {
   PixelLayout layout = PixelLayout::Rgb;
   bool linear = false;
   std::string format;                              // "h264, yuv420p"
-  double framerate_hz = 0;                         // 0 of a still
+  bool still = false;                              // a file of one picture
+  double framerate_hz = 0;                         // 0 of a still, and of a video that states none
   bool timed = false;                              // it says when each frame is, not a rate alone
   std::string model = {};                          // "Canon EOS R5", as EXIF states it; "": it does not
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes

@@ -177,6 +177,7 @@ Result<void> VideoFile::open_decoder() {
   const std::string_view demuxer = demuxer_->iformat->name;
   // Demuxers of pictures; a JPEG that holds several may look like a stream of them.
   still_ = demuxer.ends_with("_pipe") || (demuxer == "mjpeg" && is_still(path_));
+  facts_.still = still_;
   facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still_ ? av_q2d(stream.avg_frame_rate) : 0;
   const bool untimed = (demuxer_->iformat->flags & AVFMT_NOTIMESTAMPS) != 0 || demuxer == "yuv4mpegpipe";
   facts_.timed = !still_ && !untimed;

@@ -503,6 +503,20 @@ TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   CHECK(begin_s >= static_cast<double>(30 - lost.damaged) / 30 - 1e-6);
 }
 
+TEST_CASE("a video whose file states no frame rate is no still") {
+  const std::string folder = sample::scratch_folder("footage_no_rate");
+  REQUIRE(test::write_video(folder + "/x.mkv", VideoCodec::H264, pictures(2)).ok());
+  REQUIRE(test::remux(folder + "/x.mkv", folder + "/x.nut", "nut").ok());  // from two frames none is found
+  auto footage = open_footage(posix_storage(), {folder + "/x.nut"}, 0);
+  REQUIRE(footage.ok());
+  CHECK_FALSE(footage.value()->still());
+  CHECK(footage.value()->timed());
+  png(folder + "/x.png", patches(0));
+  footage = open_footage(posix_storage(), {folder + "/x.png"}, 0);
+  REQUIRE(footage.ok());
+  CHECK(footage.value()->still());
+}
+
 TEST_CASE("a duration that was copied from the file before is not what a whole video lacks") {
   const std::string folder = sample::scratch_folder("footage_stale_duration");
   REQUIRE(test::write_video(folder + "/x.mkv", VideoCodec::H264, pictures(10)).ok());
