@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -62,12 +63,14 @@ void take_stated(const FootageScan& seen, FootagePlan& plan) {
   take_stated_cycle(plan);
 }
 
-// A lost frame is a longer one: also where times are counted, as those of stills are, and do not show it.
+// A lost frame is a longer one: also where times are counted, as those of stills are, and do not show it, or
+// show only some of those that are missing.
 Duration unseen_gap(const FootagePlan& plan, std::size_t at, Instant before) {
-  const double usual_s = 1 / plan.camera.framerate_hz, lost = plan.walk.lost_before[at];
   if (at == 0 || plan.times.origin == TimeOrigin::Exif) return {};
+  const double usual_s = 1 / plan.camera.framerate_hz, lost = plan.walk.lost_before[at];
   const double seen_s = to_seconds(plan.facts[at].timestamp - before);
-  return seen_s > (lost + 0.5) * usual_s ? Duration{} : from_seconds(lost * usual_s);
+  const double seen = std::max(0.0, std::round(seen_s / usual_s) - 1);  // frames
+  return from_seconds(std::max(0.0, lost - seen) * usual_s);
 }
 
 void take_walk(FootagePlan& plan) {

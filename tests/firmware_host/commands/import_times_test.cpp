@@ -139,6 +139,23 @@ TEST_CASE("videos of different frame rates do not make one clip, and both are na
   CHECK_THAT(imported.error().message, Contains("b.mp4' has 15 frames") && Contains("a.mp4' 30,"));
 }
 
+TEST_CASE("of frames that are missing, only those that the times do not show make them longer") {
+  const std::string path = sample::scratch_folder("import_half_shown") + "/x.mkv";
+  const std::vector<int> frames = filmed(0, 24, {9, 10});
+  std::vector<double> times_s;
+  for (const int i : frames) times_s.push_back((i > 10 ? i - 1 : i) / 30.);  // a gap of one of the two
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(frames), times_s).ok());
+  const std::atomic<bool> stop = false;
+  const auto plan =
+      plan_footage(posix_storage(), {.files = {path}, .shutter = "1ms,4ms,16ms", .gain = ""}, stop);
+  REQUIRE(plan.ok());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CAPTURE(i);
+    CHECK(plan.value().facts[i].sequence == static_cast<std::uint64_t>(frames[i]));
+    CHECK(plan.value().facts[i].timestamp.seconds() == Approx(frames[i] / 30.).margin(2e-3));
+  }
+}
+
 TEST_CASE("a pause of years is a loss of very many frames") {
   std::vector<double> times_s;
   for (int i = 0; i < 12; ++i) times_s.push_back(i / 30. + (i < 6 ? 0 : 143165576));
