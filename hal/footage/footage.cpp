@@ -136,11 +136,19 @@ class FootageFiles : public FootageReader {
                              path(), model, first_of_model_, model_)};
   }
 
+  // Cards that failed leave such files.
+  Result<void> check_not_empty(const std::string& path) const {
+    const FileFacts facts = TRY(storage_.look_at(path));
+    if (facts.kind != FileKind::Regular || facts.size_bytes > 0) return {};
+    return Error{ErrorCode::NotRecording, fmt::format("'{}' is empty; copy it again, or leave it out", path)};
+  }
+
   Result<bool> read(RawFrame& frame) {
     for (;;) {
       if (!file_) {
         if (next_file_ == files_.size()) return false;
         const std::string& path = files_[next_file_++];
+        TRY(check_not_empty(path));
         file_ = TRY(is_raw_still(path) ? open_raw_still(storage_, path) : VideoFile::open(storage_, path));
         begin_ = last_ ? *last_ + period() : Instant{};
       }

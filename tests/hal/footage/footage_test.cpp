@@ -363,6 +363,13 @@ TEST_CASE("what is no footage is an error that names the file") {
   CHECK(not_video.error->code == ErrorCode::NotRecording);
   CHECK_THAT(not_video.error->message, Contains(text));
   CHECK(read({folder + "/missing.mp4"}).error->code == ErrorCode::NotFound);
+  for (const char* name : {"/empty.jpg", "/empty.mp4", "/empty.dng"}) {
+    std::ofstream(folder + name).flush();
+    const Read empty = read({folder + name});
+    REQUIRE(empty.error);
+    CHECK(empty.error->code == ErrorCode::NotRecording);
+    CHECK_THAT(empty.error->message, Contains(fmt::format("{}' is empty", name)));
+  }
 
   const Read sizes = read({png(folder + "/a.png", patches(0)), png(folder + "/b.png", patches(0, 32, 96))});
   REQUIRE(sizes.error);
