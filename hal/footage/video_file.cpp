@@ -30,8 +30,8 @@ int open_nothing(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary
   return AVERROR(EACCES);
 }
 
-// A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100".
-std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
+// A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100", "-1:1".
+std::optional<double> exif_value(const AVFrame& frame, const char* tag) {
   const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
   if (entry == nullptr) return std::nullopt;
   std::string_view text = entry->value;
@@ -47,8 +47,15 @@ std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
     text.remove_prefix(1);
     if (!take(divisor) || divisor == 0) return std::nullopt;
   }
-  value /= divisor;
-  return std::isfinite(value) && value > 0 ? std::optional(value) : std::nullopt;
+  return value / divisor;
+}
+
+std::optional<double> if_positive(std::optional<double> value) {
+  return value && std::isfinite(*value) && *value > 0 ? value : std::nullopt;
+}
+
+std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
+  return if_positive(exif_value(frame, tag));
 }
 
 // "00:01:02.500000000", as Matroska states the end of a track; seconds.
@@ -102,10 +109,28 @@ std::optional<double> exif_iso(const AVFrame& frame) {
   return std::nullopt;
 }
 
+bool states(const AVFrame& frame, const char* tag) {
+  return av_dict_get(frame.metadata, tag, nullptr, 0) != nullptr;
+}
+
+// Exif 2.3, annex C: files without ExposureTime or FNumber may have their APEX values, Tv = -log2(time / s)
+// and Av = 2 log2(N), mostly rounded. Beside one that is 0, as of a lens without contacts, they say nothing.
+std::optional<double> exif_time_s(const AVFrame& frame) {
+  if (states(frame, "ExposureTime")) return exif_number(frame, "ExposureTime");
+  const auto apex = exif_value(frame, "ShutterSpeedValue");
+  return apex ? if_positive(std::exp2(-*apex)) : std::nullopt;
+}
+
+std::optional<double> exif_f_number(const AVFrame& frame) {
+  if (states(frame, "FNumber")) return exif_number(frame, "FNumber");
+  const auto apex = exif_value(frame, "ApertureValue");
+  return apex ? if_positive(std::exp2(*apex / 2)) : std::nullopt;
+}
+
 std::optional<ExifExposure> exif_exposure(const AVFrame& frame) {
-  const auto time_s = exif_number(frame, "ExposureTime");
+  const auto time_s = exif_time_s(frame);
   if (!time_s) return std::nullopt;
-  return ExifExposure{*time_s, exif_iso(frame), exif_number(frame, "FNumber")};
+  return ExifExposure{*time_s, exif_iso(frame), exif_f_number(frame)};
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.

@@ -97,6 +97,8 @@ struct Exif {
   std::string date_time = {}, sub_second = {}, offset = {};
   std::string model = {};            // of the camera; "": none
   std::uint32_t exposure_index = 0;  // the sensitivity beyond 16 bits; 0: not stated
+  // In tenths of APEX, instead of time and f-number; both or none.
+  std::optional<std::int32_t> time_apex = {}, aperture_apex = {};
 };
 
 // The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory.
@@ -110,8 +112,10 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   };
   const auto second = static_cast<std::uint32_t>(kFirst + first(0).size());
   TiffDirectory tags;
-  tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
-  tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
+  if (!exif.time_apex) {
+    tags.rationals(tiff_tag::kExposureTime, {exif.time_numerator, exif.time_denominator});
+    tags.rationals(tiff_tag::kFNumber, {exif.f_number_tenths, 10});
+  }
   if (exif.iso > 0) tags.shorts(tiff_tag::kIsoSpeed, {exif.iso});
   if (exif.exposure_index > 0) tags.longs(tiff_tag::kRecommendedExposureIndex, {exif.exposure_index});
   const auto text = [&](std::uint16_t tag, const std::string& value) {
@@ -119,6 +123,10 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   };
   text(tiff_tag::kDateTimeOriginal, exif.date_time);
   text(tiff_tag::kOffsetTimeOriginal, exif.offset);
+  if (exif.time_apex && exif.aperture_apex) {
+    tags.signed_rationals(tiff_tag::kShutterSpeedValue, {static_cast<std::uint32_t>(*exif.time_apex), 10});
+    tags.rationals(tiff_tag::kApertureValue, {static_cast<std::uint32_t>(*exif.aperture_apex), 10});
+  }
   text(tiff_tag::kSubSecTimeOriginal, exif.sub_second);
   std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, kFirst, 0, 0, 0};
   for (const auto& directory : {first(second), tags.at(second)})

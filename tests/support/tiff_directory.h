@@ -19,10 +19,10 @@ constexpr std::uint16_t kNewSubfileType = 254, kImageWidth = 256, kImageLength =
                         kCfaRepeatPatternDim = 33421, kCfaPattern = 33422, kExposureTime = 33434,
                         kFNumber = 33437, kExifDirectory = 34665, kIsoSpeed = 34855,
                         kRecommendedExposureIndex = 34866, kDateTimeOriginal = 36867,
-                        kOffsetTimeOriginal = 36881, kSubSecTimeOriginal = 37521, kDngVersion = 50706,
-                        kUniqueCameraModel = 50708, kBlackLevelRepeatDim = 50713, kBlackLevel = 50714,
-                        kWhiteLevel = 50717, kColorMatrix1 = 50721, kAsShotNeutral = 50728,
-                        kActiveArea = 50829;
+                        kOffsetTimeOriginal = 36881, kShutterSpeedValue = 37377, kApertureValue = 37378,
+                        kSubSecTimeOriginal = 37521, kDngVersion = 50706, kUniqueCameraModel = 50708,
+                        kBlackLevelRepeatDim = 50713, kBlackLevel = 50714, kWhiteLevel = 50717,
+                        kColorMatrix1 = 50721, kAsShotNeutral = 50728, kActiveArea = 50829;
 }  // namespace tiff_tag
 
 // Entries are added in the order of their tags.

@@ -294,6 +294,22 @@ TEST_CASE("a sensitivity beyond 65535 is the one that EXIF states beside it") {
   CHECK(bracket.frames[1].facts.analogue_gain == Approx(512));
 }
 
+TEST_CASE("an exposure that EXIF states in APEX alone is a time and an f-number") {
+  const std::string folder = sample::scratch_folder("footage_apex");
+  const std::pair<int, double> times[] = {{80, 1. / 256}, {-10, 2}};  // tenths of APEX, seconds
+  for (const auto& [apex, time_s] : times) {
+    test::Exif exif;
+    exif.time_apex = apex, exif.aperture_apex = 40;  // f/4
+    test::write_jpeg(folder + "/a.jpg", patches(0), exif);
+    const Read still = read({folder + "/a.jpg"});
+    REQUIRE_FALSE(still.error);
+    REQUIRE(still.frames.size() == 1);
+    CHECK(still.frames[0].facts.exposure_source == ExposureSource::Embedded);
+    CHECK(still.frames[0].facts.exposure_s == Approx(time_s));
+    CHECK(still.frames[0].facts.digital_gain == Approx(1. / 16));
+  }
+}
+
 TEST_CASE("a sensitivity that EXIF states as recommended exposure index alone counts") {
   const std::string folder = sample::scratch_folder("footage_index");
   test::Exif exif{1, 1000, 0, 28};
