@@ -17,8 +17,10 @@
 namespace hdrcam {
 namespace {
 
-constexpr std::string_view kExtensions[] = {".arw", ".cr2", ".cr3", ".dng", ".nef",
-                                            ".orf", ".pef", ".raf", ".rw2"};
+// Those of Bayer sensors. Most are TIFF, of which FFmpeg would decode the preview.
+constexpr std::string_view kExtensions[] = {".3fr", ".arw", ".cr2", ".cr3", ".dng", ".erf",
+                                            ".iiq", ".mef", ".nef", ".nrw", ".orf", ".pef",
+                                            ".raf", ".rw2", ".rwl", ".sr2", ".srw"};
 
 constexpr int kMostTextBytes = 64;  // of EXIF's times
 

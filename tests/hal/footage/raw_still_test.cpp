@@ -110,6 +110,19 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK_FALSE(footage.value()->taken());
 }
 
+TEST_CASE("raw stills of other makers go to LibRaw, which knows them by their content") {
+  const std::string folder = sample::scratch_folder("raw_still_names");
+  test::DngStill still;
+  still.code_at = code_at;
+  for (const char* name : {"/a.SRW", "/b.nrw", "/c.RWL", "/d.3fr", "/e.iiq", "/f.ERF"}) {
+    CAPTURE(name);
+    CHECK(is_footage(name));
+    auto footage = open_footage(posix_storage(), {test::write_dng(folder + name, still)}, 0);
+    REQUIRE(footage.ok());
+    CHECK(footage.value()->camera().layout == PixelLayout::BayerRggb);
+  }
+}
+
 TEST_CASE("a raw still whose picture reaches beyond its raw data is damaged") {
   const std::string folder = sample::scratch_folder("raw_still_beyond");
   test::DngStill still;
