@@ -209,6 +209,14 @@ void warn_of_phase(const FootagePlan& plan) {
         "be wrong by one factor, so import more frames\n");
 }
 
+void tell_primaries(const FootagePlan& plan) {
+  if (!plan.primaries.empty())
+    remark(
+        "note: the primaries of the pictures are not those of BT.709 ({}), and colours are not converted; "
+        "outputs show them less saturated than they were\n",
+        plan.primaries);
+}
+
 // Cut footage is an error after all that is there was imported, as a cut recording is.
 Result<void> tell_losses(const FootagePlan& plan) {
   std::optional<std::string> cut;
@@ -227,6 +235,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
+  tell_primaries(plan);
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));

@@ -136,7 +136,8 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   FootagePlan plan;
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   plan.times = TRY(take_times(seen, request.framerate_hz));
-  plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts, plan.losses = seen.losses;
+  plan.camera = seen.camera, plan.about = seen.about, plan.primaries = seen.primaries;
+  plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' cannot be a recording: {}; give the rate of stills with "

@@ -34,7 +34,8 @@ enum class ExposureOrigin {
 
 struct FootagePlan {
   CameraFacts camera;
-  std::string about;  // "h264, yuv420p"
+  std::string about;      // "h264, yuv420p"
+  std::string primaries;  // other than BT.709's, "bt2020"; "": none are stated
   FootageTimes times;
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat

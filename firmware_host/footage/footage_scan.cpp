@@ -13,7 +13,7 @@ namespace hdrcam {
 Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>& stop) {
   constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
   FootageScan seen;
-  seen.camera = footage.camera(), seen.about = footage.about();
+  seen.camera = footage.camera(), seen.about = footage.about(), seen.primaries = footage.primaries();
   seen.steps.resize(kLags);
   const auto response_of = [&](const FrameFacts& facts) {  // each raw still states its own black level
     return PhotometricResponse::before_any_fit(seen.camera.linear, facts.black_level);

@@ -23,7 +23,7 @@ struct StatedFactor {
 
 struct FootageScan {
   CameraFacts camera;
-  std::string about;
+  std::string about, primaries;  // as the reader has them
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;
   bool stills = false;              // at least one

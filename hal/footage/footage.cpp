@@ -78,7 +78,7 @@ class FootageFiles : public FootageReader {
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
     camera_.linear = file_->facts().linear;
     camera_.white_balance = file_->facts().white_balance;
-    about_ = file_->facts().format;
+    about_ = file_->facts().format, primaries_ = file_->facts().primaries;
     TRY(check_size());
     TRY(check_model());
     return {};
@@ -86,6 +86,7 @@ class FootageFiles : public FootageReader {
 
   const CameraFacts& camera() const override { return camera_; }
   std::string about() const override { return about_; }
+  const std::string& primaries() const override { return primaries_; }
 
   std::optional<ExifTime> taken() const override { return taken_; }
   ExifFactors factors() const override { return factors_; }
@@ -194,7 +195,7 @@ class FootageFiles : public FootageReader {
   const std::vector<std::string> files_;
   const double stills_hz_;
   CameraFacts camera_;
-  std::string about_;
+  std::string about_, primaries_;
   std::string model_, first_of_model_;  // of the camera, and the file that stated it; "": none yet
   std::size_t next_file_ = 0;
   std::unique_ptr<PictureFile> file_;

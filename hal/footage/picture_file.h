@@ -22,6 +22,7 @@ struct PictureFileFacts {
   double framerate_hz = 0;                         // 0 of a still, and of a video that states none
   bool timed = false;                              // it says when each frame is, not a rate alone
   std::string model = {};                          // "Canon EOS R5", as EXIF states it; "": it does not
+  std::string primaries = {};                      // other than BT.709's, "bt2020"; "": none are stated
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

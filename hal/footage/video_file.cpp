@@ -1,5 +1,9 @@
 #include "hal/footage/video_file.h"
 
+extern "C" {
+#include <libavutil/pixdesc.h>
+}
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +19,7 @@
 #include "hal/core/split_text.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/footage.h"
+#include "hal/footage/icc_primaries.h"
 #include "hal/footage/tiff_objection.h"
 
 namespace hdrcam {
@@ -131,6 +136,24 @@ std::optional<ExifExposure> exif_exposure(const AVFrame& frame) {
   const auto time_s = exif_time_s(frame);
   if (!time_s) return std::nullopt;
   return ExifExposure{*time_s, exif_iso(frame), exif_f_number(frame)};
+}
+
+// Other than BT.709's, as its tags (ITU-T H.273) or its colour profile state them. Those of standard
+// definition are near enough.
+std::string primaries_of(const AVFrame& frame) {
+  const AVFrameSideData* const profile = av_frame_get_side_data(&frame, AV_FRAME_DATA_ICC_PROFILE);
+  if (profile != nullptr && states_other_primaries(std::span(profile->data, profile->size)))
+    return "a colour profile";
+  switch (frame.color_primaries) {
+    case AVCOL_PRI_FILM:
+    case AVCOL_PRI_BT2020:
+    case AVCOL_PRI_SMPTE428:
+    case AVCOL_PRI_SMPTE431:
+    case AVCOL_PRI_SMPTE432:
+      return av_color_primaries_name(frame.color_primaries);
+    default:
+      return "";
+  }
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.
@@ -303,6 +326,7 @@ Result<void> VideoFile::begin_codes() {
   if (!begun) return refused(begun.error().code, begun.error().message);
   facts_.format += fmt::format(", {}", codes_.format_name());
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
+  facts_.primaries = primaries_of(*frame_);
   if (still_) facts_.model = exif_model(*frame_);
   return {};
 }
