@@ -8,11 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "hal/core/file_extension.h"
 #include "hal/footage/exif_exposure.h"
+#include "hal/footage/tiff_fields.h"
 
 namespace hdrcam {
 namespace {
@@ -116,6 +119,30 @@ bool mixes_tiles([[maybe_unused]] LibRaw& raw) {
 #endif
 }
 
+// Whether parts of the compressed mosaic of a DNG lie behind the end of the file: LibRaw leaves them black.
+bool lacks_parts(std::span<const std::uint8_t> file) {
+  constexpr std::uint32_t kMosaic = 32803, kJpeg = 7;  // PhotometricInterpretation, Compression
+  TiffFields fields(file);
+  const auto reach_beyond = [&](TiffTag offsets, TiffTag lengths) {
+    const std::vector<std::uint32_t> begin = fields.values(offsets), bytes = fields.values(lengths);
+    for (std::size_t i = 0; i < std::min(begin.size(), bytes.size()); ++i)
+      if (begin[i] + std::uint64_t{bytes[i]} > file.size()) return true;
+    return false;
+  };
+  const auto lacking = [&] {
+    return fields.first_value(TiffTag::PhotometricInterpretation) == kMosaic &&
+           fields.first_value(TiffTag::Compression) == kJpeg &&
+           (reach_beyond(TiffTag::StripOffsets, TiffTag::StripByteCounts) ||
+            reach_beyond(TiffTag::TileOffsets, TiffTag::TileByteCounts));
+  };
+  if (lacking()) return true;
+  for (const std::uint32_t directory : fields.values(TiffTag::SubIfds)) {
+    fields.enter(directory);
+    if (lacking()) return true;
+  }
+  return false;
+}
+
 class RawStill : public PictureFile {
  public:
   const PictureFileFacts& facts() const override { return facts_; }
@@ -202,17 +229,32 @@ Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std:
   const auto raw = std::make_unique<LibRaw>();  // some hundred kilobytes
   ExifExtras extras;
   raw->set_exifparser_handler(read_extras, &extras);
-  if (const int code = raw->open_buffer(bytes.data(), bytes.size()); code != LIBRAW_SUCCESS)
+  raw->set_dataerror_handler(nullptr, nullptr);  // which prints; errors are counted all the same
+  const int opened = raw->open_buffer(bytes.data(), bytes.size());
+  if (opened == LIBRAW_IO_ERROR)
+    return Error{
+        ErrorCode::NotRecording,
+        fmt::format(
+            "'{}' ends too early for a raw still: it is none, or was cut; copy it again, or leave it out",
+            path)};
+  if (opened != LIBRAW_SUCCESS)
     return Error{ErrorCode::NotRecording,
-                 fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(code))};
+                 fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(opened))};
   if (mixes_tiles(*raw))
     return Error{
         ErrorCode::Unsupported,
         fmt::format("'{}' is a DNG in tiles without compression, which this machine's LibRaw reads in "
                     "the wrong order; convert it to a DNG with lossless compression",
                     path)};
-  if (const int code = raw->unpack(); code != LIBRAW_SUCCESS)
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: {}", path, libraw_strerror(code))};
+  const auto damaged = [&path](const std::string& why) {
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is damaged: {}; copy it again, or leave it out", path, why)};
+  };
+  if (raw->imgdata.idata.dng_version != 0 &&
+      lacks_parts(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size())))
+    return damaged("it was cut, and parts of its picture are missing");
+  if (const int code = raw->unpack(); code != LIBRAW_SUCCESS) return damaged(libraw_strerror(code));
+  if (raw->error_count() > 0) return damaged("its raw data do not decode");
   auto still = std::make_unique<RawStill>();
   TRY(still->develop(*raw, extras, path));
   return std::unique_ptr<PictureFile>(std::move(still));

@@ -8,9 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/lossless_jpeg.h"
 #include "tests/support/tiff_directory.h"
 
 namespace hdrcam::test {
+
+enum class DngPacking : std::uint16_t { None = 1, LosslessJpeg = 7 };
 
 struct DngStill {
   int rows = 48, cols = 64;
@@ -23,43 +26,50 @@ struct DngStill {
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
   std::string date_time, sub_second;                     // of EXIF; "": none
   std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
-  std::uint32_t tile_px = 0;                             // side of its tiles; 0: one strip
-  std::function<std::uint16_t(int, int)> code_at;        // by row and column
+  DngPacking packing = DngPacking::None;
+  std::uint32_t tile_px = 0;                       // side of its tiles; 0: one strip
+  std::function<std::uint16_t(int, int)> code_at;  // by row and column
 };
 
-// The mosaic row by row, or tile by tile; what reaches beyond it is 0.
-inline std::vector<std::uint8_t> mosaic_of(const DngStill& still) {
-  std::vector<std::uint8_t> bytes;
+// Its strip or its tiles, one after the other; what reaches beyond the mosaic is 0.
+inline std::vector<std::vector<std::uint8_t>> parts_of(const DngStill& still) {
+  std::vector<std::vector<std::uint8_t>> parts;
   const int tile = static_cast<int>(still.tile_px);
   const int rows = tile > 0 ? tile : still.rows, cols = tile > 0 ? tile : still.cols;
   for (int top = 0; top < still.rows; top += rows)
-    for (int left = 0; left < still.cols; left += cols)
+    for (int left = 0; left < still.cols; left += cols) {
+      std::vector<std::uint16_t> codes;
       for (int y = top; y < top + rows; ++y)
         for (int x = left; x < left + cols; ++x)
-          TiffDirectory::put(bytes, y < still.rows && x < still.cols ? still.code_at(y, x) : 0, 2);
-  return bytes;
+          codes.push_back(y < still.rows && x < still.cols ? still.code_at(y, x) : std::uint16_t{0});
+      std::vector<std::uint8_t>& part = parts.emplace_back();
+      if (still.packing == DngPacking::LosslessJpeg)
+        part = lossless_jpeg(codes, rows, cols);
+      else
+        for (const std::uint16_t code : codes) TiffDirectory::put(part, code, 2);
+    }
+  return parts;
 }
 
 // Where the strip or the tiles are.
-inline void add_places(const DngStill& still, std::uint32_t mosaic_at, TiffDirectory& dng) {
-  const auto rows = static_cast<std::uint32_t>(still.rows), cols = static_cast<std::uint32_t>(still.cols);
-  const std::uint32_t tile = still.tile_px;
-  if (tile == 0) {
-    dng.longs(tiff_tag::kStripOffsets, {mosaic_at});
-    dng.shorts(tiff_tag::kSamplesPerPixel, {1});
-    dng.longs(tiff_tag::kRowsPerStrip, {rows});
-    dng.longs(tiff_tag::kStripByteCounts, {rows * cols * 2});
-    return;
+inline void add_places(const DngStill& still, const std::vector<std::vector<std::uint8_t>>& parts,
+                       std::uint32_t mosaic_at, TiffDirectory& dng) {
+  std::vector<std::uint32_t> offsets, lengths;
+  for (const std::vector<std::uint8_t>& part : parts) {
+    offsets.push_back(mosaic_at), lengths.push_back(static_cast<std::uint32_t>(part.size()));
+    mosaic_at += lengths.back();
   }
-  std::vector<std::uint32_t> offsets;
-  const std::uint32_t tiles = ((rows + tile - 1) / tile) * ((cols + tile - 1) / tile),
-                      bytes = tile * tile * 2;
-  for (std::uint32_t i = 0; i < tiles; ++i) offsets.push_back(mosaic_at + i * bytes);
+  if (still.tile_px == 0) dng.longs(tiff_tag::kStripOffsets, offsets);
   dng.shorts(tiff_tag::kSamplesPerPixel, {1});
-  dng.longs(tiff_tag::kTileWidth, {tile});
-  dng.longs(tiff_tag::kTileLength, {tile});
-  dng.longs(tiff_tag::kTileOffsets, offsets);
-  dng.longs(tiff_tag::kTileByteCounts, std::vector<std::uint32_t>(tiles, bytes));
+  if (still.tile_px == 0) {
+    dng.longs(tiff_tag::kRowsPerStrip, {static_cast<std::uint32_t>(still.rows)});
+    dng.longs(tiff_tag::kStripByteCounts, lengths);
+  } else {
+    dng.longs(tiff_tag::kTileWidth, {still.tile_px});
+    dng.longs(tiff_tag::kTileLength, {still.tile_px});
+    dng.longs(tiff_tag::kTileOffsets, offsets);
+    dng.longs(tiff_tag::kTileByteCounts, lengths);
+  }
 }
 
 inline void add_black_level(const DngStill& still, TiffDirectory& dng) {
@@ -73,6 +83,7 @@ inline void add_black_level(const DngStill& still, TiffDirectory& dng) {
 inline std::string write_dng(const std::string& path, const DngStill& still) {
   constexpr std::uint16_t kColorFilterArray = 32803;  // a photometric interpretation
   const auto rows = static_cast<std::uint32_t>(still.rows), cols = static_cast<std::uint32_t>(still.cols);
+  const std::vector<std::vector<std::uint8_t>> parts = parts_of(still);
   // Offsets of one size whatever they are: the directory is as long with them as without.
   const auto directory = [&](std::uint32_t mosaic_at, std::uint32_t exif_at) {
     TiffDirectory dng;
@@ -80,11 +91,11 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     dng.longs(tiff_tag::kImageWidth, {cols});
     dng.longs(tiff_tag::kImageLength, {rows});
     dng.shorts(tiff_tag::kBitsPerSample, {16});
-    dng.shorts(tiff_tag::kCompression, {1});
+    dng.shorts(tiff_tag::kCompression, {static_cast<std::uint16_t>(still.packing)});
     dng.shorts(tiff_tag::kPhotometricInterpretation, {kColorFilterArray});
     dng.text(tiff_tag::kMake, "Maker");
     dng.text(tiff_tag::kModel, "Model");
-    add_places(still, mosaic_at, dng);
+    add_places(still, parts, mosaic_at, dng);
     dng.shorts(tiff_tag::kCfaRepeatPatternDim, {2, 2});
     dng.bytes(tiff_tag::kCfaPattern, still.pattern);
     dng.longs(tiff_tag::kExifDirectory, {exif_at});
@@ -97,12 +108,6 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     if (!still.active_area.empty()) dng.longs(tiff_tag::kActiveArea, still.active_area);
     return dng.at(8);
   };
-  const auto mosaic_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());
-  const std::vector<std::uint8_t> mosaic = mosaic_of(still);
-  const auto exif_at = static_cast<std::uint32_t>(mosaic_at + mosaic.size());
-  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};
-  for (const auto byte : directory(mosaic_at, exif_at)) bytes.push_back(byte);
-  for (const auto byte : mosaic) bytes.push_back(byte);
   TiffDirectory exif;
   exif.rationals(tiff_tag::kExposureTime, {1, still.shutter_per_s});
   exif.rationals(tiff_tag::kFNumber, {56, 10});
@@ -110,7 +115,12 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
   if (still.exposure_index > 0) exif.longs(tiff_tag::kRecommendedExposureIndex, {still.exposure_index});
   if (!still.date_time.empty()) exif.text(tiff_tag::kDateTimeOriginal, still.date_time);
   if (!still.sub_second.empty()) exif.text(tiff_tag::kSubSecTimeOriginal, still.sub_second);
+  const auto exif_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());
+  const auto mosaic_at = static_cast<std::uint32_t>(exif_at + exif.at(exif_at).size());
+  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};
+  for (const auto byte : directory(mosaic_at, exif_at)) bytes.push_back(byte);
   for (const auto byte : exif.at(exif_at)) bytes.push_back(byte);
+  for (const std::vector<std::uint8_t>& part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return path;

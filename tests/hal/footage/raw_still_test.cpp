@@ -8,6 +8,7 @@
 #include "hal/footage/footage.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/dng_file.h"
+#include "tests/support/files.h"
 
 #include <catch2/catch.hpp>
 
@@ -162,6 +163,38 @@ TEST_CASE("a DNG in tiles comes as its mosaic, or is refused where LibRaw mixes 
     REQUIRE(footage.value()->next(frame).value());
     CHECK(frame.codes.at(0, 3, 5) == code_at(3, 5));
     CHECK(frame.codes.at(0, 50, 61) == code_at(50, 61));
+  }
+}
+
+TEST_CASE("a raw still of which a part is missing or does not decode is damaged, not black") {
+  const std::string folder = sample::scratch_folder("raw_still_parts"), path = folder + "/x.dng";
+  const auto refusal = [&path](const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+    return sample::error_of(open_footage(posix_storage(), {path}, 0));
+  };
+  test::DngStill still;
+  still.rows = still.cols = 64, still.code_at = code_at;
+  still.packing = test::DngPacking::LosslessJpeg;
+  for (const std::uint32_t tile_px : {0u, 48u}) {
+    CAPTURE(tile_px);
+    still.tile_px = tile_px;
+    const std::string whole = test::text_of(test::write_dng(path, still));
+    const auto footage = open_footage(posix_storage(), {path}, 0);
+    REQUIRE(footage.ok());
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    CHECK(frame.codes.at(0, 50, 61) == code_at(50, 61));
+    const std::size_t last_part = whole.rfind("\xff\xd8\xff\xc3");  // begins there
+    for (const std::size_t size : {last_part, last_part + 20}) {
+      const Error cut = refusal(whole.substr(0, size));
+      CHECK(cut.code == ErrorCode::Corrupt);
+      CHECK_THAT(cut.message, Contains(path) && Contains("it was cut"));
+    }
+    std::string wrong = whole;
+    wrong.replace(last_part + 200, 64, 64, 'U');
+    const Error refused = refusal(wrong);
+    CHECK(refused.code == ErrorCode::Corrupt);
+    CHECK_THAT(refused.message, Contains(path) && Contains("do not decode"));
   }
 }
 
