@@ -209,7 +209,12 @@ void warn_of_phase(const FootagePlan& plan) {
         "be wrong by one factor, so import more frames\n");
 }
 
-void tell_primaries(const FootagePlan& plan) {
+// What the files state for display and nothing applies.
+void tell_unapplied(const FootagePlan& plan) {
+  if (plan.turned)
+    remark(
+        "note: the files state that their pictures are turned for display, which is not applied; outputs "
+        "show them as the sensor saw them\n");
   if (!plan.primaries.empty())
     remark(
         "note: the primaries of the pictures are not those of BT.709 ({}), and colours are not converted; "
@@ -235,7 +240,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
-  tell_primaries(plan);
+  tell_unapplied(plan);
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));

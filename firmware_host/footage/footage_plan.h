@@ -35,6 +35,7 @@ enum class ExposureOrigin {
 struct FootagePlan {
   CameraFacts camera;
   std::string about;      // "h264, yuv420p"
+  bool turned = false;    // for display, as the first file states; not applied
   std::string primaries;  // other than BT.709's, "bt2020"; "": none are stated
   FootageTimes times;
   ExposureOrigin origin = ExposureOrigin::Stated;

@@ -14,6 +14,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
   constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
   FootageScan seen;
   seen.camera = footage.camera(), seen.about = footage.about(), seen.primaries = footage.primaries();
+  seen.turned = footage.turned();
   seen.steps.resize(kLags);
   const auto response_of = [&](const FrameFacts& facts) {  // each raw still states its own black level
     return PhotometricResponse::before_any_fit(seen.camera.linear, facts.black_level);

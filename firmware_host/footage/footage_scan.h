@@ -23,6 +23,7 @@ struct StatedFactor {
 
 struct FootageScan {
   CameraFacts camera;
+  bool turned = false;
   std::string about, primaries;  // as the reader has them
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;

@@ -79,6 +79,7 @@ class FootageFiles : public FootageReader {
     camera_.linear = file_->facts().linear;
     camera_.white_balance = file_->facts().white_balance;
     about_ = file_->facts().format, primaries_ = file_->facts().primaries;
+    turned_ = file_->facts().turned;
     TRY(check_size());
     TRY(check_model());
     return {};
@@ -87,6 +88,7 @@ class FootageFiles : public FootageReader {
   const CameraFacts& camera() const override { return camera_; }
   std::string about() const override { return about_; }
   const std::string& primaries() const override { return primaries_; }
+  bool turned() const override { return turned_; }
 
   std::optional<ExifTime> taken() const override { return taken_; }
   ExifFactors factors() const override { return factors_; }
@@ -204,7 +206,7 @@ class FootageFiles : public FootageReader {
   std::optional<Instant> last_;
   std::optional<ExifTime> taken_;
   ExifFactors factors_;
-  bool still_ = false, timed_ = false;
+  bool still_ = false, timed_ = false, turned_ = false;
   std::vector<FootageLosses> losses_;
   RawFrame ahead_;  // the first frame, which says what the clip is
   bool has_ahead_ = false;

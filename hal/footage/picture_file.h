@@ -23,6 +23,7 @@ struct PictureFileFacts {
   bool timed = false;                              // it says when each frame is, not a rate alone
   std::string model = {};                          // "Canon EOS R5", as EXIF states it; "": it does not
   std::string primaries = {};                      // other than BT.709's, "bt2020"; "": none are stated
+  bool turned = false;                             // for display, as it states; not applied
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

@@ -175,6 +175,7 @@ class RawStill : public PictureFile {
     const unsigned white = raw.imgdata.color.maximum;
     facts_.bits = std::clamp(static_cast<int>(std::bit_width(white)), 8, 16);
     facts_.layout = *layout, facts_.linear = true, facts_.still = true;
+    facts_.turned = sizes.flip != 0;
     facts_.model = fmt::format("{} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
     facts_.format = "raw of " + facts_.model;
     const auto largest = static_cast<std::uint16_t>((1u << facts_.bits) - 1);

@@ -10,6 +10,7 @@ extern "C" {
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <span>
 #include <string_view>
@@ -154,6 +155,18 @@ std::string primaries_of(const AVFrame& frame) {
     default:
       return "";
   }
+}
+
+// By EXIF, or by the matrix of a video (ISO/IEC 14496-12, 6.2.2): more than a scale along its axes.
+bool is_turned(const AVFrame& frame, const AVStream& stream) {
+  if (exif_number(frame, "Orientation").value_or(1) > 1) return true;
+  const AVFrameSideData* const of_frame = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX);
+  const std::uint8_t* const data =
+      of_frame != nullptr ? of_frame->data : libav::side_data(stream, AV_PKT_DATA_DISPLAYMATRIX);
+  if (data == nullptr) return false;
+  std::array<std::int32_t, 9> matrix{};
+  std::memcpy(matrix.data(), data, sizeof matrix);
+  return matrix[1] != 0 || matrix[3] != 0 || matrix[0] < 0 || matrix[4] < 0;
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.
@@ -327,6 +340,7 @@ Result<void> VideoFile::begin_codes() {
   facts_.format += fmt::format(", {}", codes_.format_name());
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
   facts_.primaries = primaries_of(*frame_);
+  facts_.turned = is_turned(*frame_, *demuxer_->streams[track_]);
   if (still_) facts_.model = exif_model(*frame_);
   return {};
 }

@@ -53,6 +53,18 @@ inline bool add_side_data(AVStream& stream, AVPacketSideDataType type, void* dat
 #endif
 }
 
+// Of a stream; nullptr: it has none of that type.
+inline const std::uint8_t* side_data(const AVStream& stream, AVPacketSideDataType type) {
+#if HDRCAM_LIBAV_CODED_SIDE_DATA
+  const AVCodecParameters& codec = *stream.codecpar;
+  const AVPacketSideData* const found =
+      av_packet_side_data_get(codec.coded_side_data, codec.nb_coded_side_data, type);
+  return found != nullptr ? found->data : nullptr;
+#else
+  return av_stream_get_side_data(&stream, type, nullptr);
+#endif
+}
+
 // The library's message for a negative return code.
 inline std::string words(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};

@@ -27,6 +27,7 @@ struct DngStill {
   std::string date_time, sub_second;                     // of EXIF; "": none
   std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
   DngPacking packing = DngPacking::None;
+  std::uint16_t orientation = 1;                   // as EXIF numbers them
   std::uint32_t tile_px = 0;                       // side of its tiles; 0: one strip
   std::function<std::uint16_t(int, int)> code_at;  // by row and column
 };
@@ -60,6 +61,7 @@ inline void add_places(const DngStill& still, const std::vector<std::vector<std:
     mosaic_at += lengths.back();
   }
   if (still.tile_px == 0) dng.longs(tiff_tag::kStripOffsets, offsets);
+  dng.shorts(tiff_tag::kOrientation, {still.orientation});
   dng.shorts(tiff_tag::kSamplesPerPixel, {1});
   if (still.tile_px == 0) {
     dng.longs(tiff_tag::kRowsPerStrip, {static_cast<std::uint32_t>(still.rows)});

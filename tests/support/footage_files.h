@@ -96,6 +96,7 @@ struct Exif {
   // DateTimeOriginal and what goes with it; "": none.
   std::string date_time = {}, sub_second = {}, offset = {};
   std::string model = {};            // of the camera; "": none
+  std::uint16_t orientation = 1;     // as EXIF numbers them
   std::uint32_t exposure_index = 0;  // the sensitivity beyond 16 bits; 0: not stated
   // In tenths of APEX, instead of time and f-number; both or none.
   std::optional<std::int32_t> time_apex = {}, aperture_apex = {};
@@ -107,6 +108,7 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
   const auto first = [&](std::uint32_t second) {
     TiffDirectory file;
     if (!exif.model.empty()) file.text(tiff_tag::kModel, exif.model);
+    file.shorts(tiff_tag::kOrientation, {exif.orientation});
     file.longs(tiff_tag::kExifDirectory, {second});
     return file.at(kFirst);
   };

@@ -13,7 +13,7 @@ namespace hdrcam::test {
 namespace tiff_tag {
 constexpr std::uint16_t kNewSubfileType = 254, kImageWidth = 256, kImageLength = 257, kBitsPerSample = 258,
                         kCompression = 259, kPhotometricInterpretation = 262, kMake = 271, kModel = 272,
-                        kStripOffsets = 273, kSamplesPerPixel = 277, kRowsPerStrip = 278,
+                        kStripOffsets = 273, kOrientation = 274, kSamplesPerPixel = 277, kRowsPerStrip = 278,
                         kStripByteCounts = 279, kResolutionUnit = 296, kTileWidth = 322, kTileLength = 323,
                         kTileOffsets = 324, kTileByteCounts = 325, kSubIfds = 330, kSampleFormat = 339,
                         kCfaRepeatPatternDim = 33421, kCfaPattern = 33422, kExposureTime = 33434,

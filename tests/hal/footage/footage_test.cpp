@@ -310,6 +310,33 @@ TEST_CASE("an exposure that EXIF states in APEX alone is a time and an f-number"
   }
 }
 
+TEST_CASE("pictures that are to be turned for display stay as the sensor saw them, and are told") {
+  const std::string folder = sample::scratch_folder("footage_turned");
+  const auto turned = [](const std::string& path) {
+    const auto footage = open_footage(posix_storage(), {path}, 0);
+    REQUIRE(footage.ok());
+    CHECK(footage.value()->camera().width == 96);
+    return footage.value()->turned();
+  };
+  test::Exif exif;
+  for (const std::uint16_t orientation : {std::uint16_t{1}, std::uint16_t{6}, std::uint16_t{8}}) {
+    exif.orientation = orientation;
+    test::write_jpeg(folder + "/a.jpg", patches(0), exif);
+    CHECK(turned(folder + "/a.jpg") == (orientation != 1));
+  }
+  const std::string video = folder + "/x.mp4";
+  REQUIRE(test::write_video(video, VideoCodec::H264, pictures(3)).ok());
+  CHECK_FALSE(turned(video));
+  std::string bytes = test::text_of(video);
+  const std::size_t header = bytes.find("tkhd"), matrix = header + 44;  // ISO/IEC 14496-12, 8.3.2, version 0
+  REQUIRE(header != std::string::npos);
+  REQUIRE(bytes[header + 4] == 0);
+  bytes.replace(matrix, 16, std::string("\0\0\0\0\0\1\0\0\0\0\0\0\xff\xff\0\0", 16));
+  bytes.replace(matrix + 16, 4, std::string(4, '\0'));
+  std::ofstream(video, std::ios::binary) << bytes;
+  CHECK(turned(video));
+}
+
 TEST_CASE("a sensitivity that EXIF states as recommended exposure index alone counts") {
   const std::string folder = sample::scratch_folder("footage_index");
   test::Exif exif{1, 1000, 0, 28};

@@ -111,6 +111,22 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK_FALSE(footage.value()->taken());
 }
 
+TEST_CASE("a raw still that states its orientation is turned, and its mosaic stays") {
+  const std::string folder = sample::scratch_folder("raw_still_turned");
+  test::DngStill still;
+  still.code_at = code_at;
+  for (const std::uint16_t orientation : {std::uint16_t{1}, std::uint16_t{6}}) {
+    still.orientation = orientation;
+    auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/x.dng", still)}, 0);
+    REQUIRE(footage.ok());
+    CHECK(footage.value()->turned() == (orientation == 6));
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    CHECK(frame.codes.cols() == still.cols);
+    CHECK(frame.codes.at(0, 3, 5) == code_at(3, 5));
+  }
+}
+
 TEST_CASE("raw stills of other makers go to LibRaw, which knows them by their content") {
   const std::string folder = sample::scratch_folder("raw_still_names");
   test::DngStill still;
