@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "hal/core/file_extension.h"
+#include "hal/core/sound_facts.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/tiff_fields.h"
 
@@ -61,13 +62,14 @@ void read_extras(void* extras, int tag, int type, int length, unsigned byte_orde
   text->resize(static_cast<std::size_t>(std::max(read, 0)));
 }
 
-// The gains as shot, green 1; none where the file does not state them.
+// The gains as shot, green 1; none where the file does not state them, or states impossible ones.
 std::optional<ChannelGains> white_balance_of(const libraw_colordata_t& color) {
   const auto gain = [&color](int c) { return static_cast<double>(color.cam_mul[c]); };
   for (int c = 0; c < 3; ++c)
     if (!(gain(c) > 0)) return std::nullopt;
   const double green = gain(3) > 0 ? 0.5 * (gain(1) + gain(3)) : gain(1);
-  return ChannelGains{gain(0) / green, 1, gain(2) / green};
+  const ChannelGains gains{gain(0) / green, 1, gain(2) / green};
+  return objection_to(gains) ? std::nullopt : std::optional(gains);
 }
 
 // By the colours of the first two rows.

@@ -103,6 +103,11 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK(taken->local == exif_time("2026:11:22 17:03:04", "25", "")->local);
   CHECK(taken->tick == std::chrono::milliseconds(10));
 
+  still.neutral = {1, 100, 1, 1, 1, 1};  // red times 100: no white balance, and no reason to refuse the still
+  footage = open_footage(posix_storage(), {test::write_dng(folder + "/odd.dng", still)}, 0);
+  REQUIRE(footage.ok());
+  CHECK_FALSE(footage.value()->camera().white_balance);
+
   still.neutral.clear(), still.date_time.clear(), still.sub_second.clear();
   footage = open_footage(posix_storage(), {test::write_dng(folder + "/b.dng", still)}, 0);
   REQUIRE(footage.ok());
