@@ -158,6 +158,18 @@ AsRecording as_recording(Storage& storage, const std::string& file) {
   return {.damaged = error};
 }
 
+// A frame of a bracket may be among them.
+void tell_other_pictures(const std::string& folder) {
+  const std::vector<std::string> others = other_pictures_in(folder);
+  if (others.empty()) return;
+  const std::string more =
+      others.size() > 1 ? fmt::format(" and {} more are", others.size() - 1) : std::string(" is");
+  remark(
+      "note: '{}'{} left out: of a folder, JPEG, PNG, TIFF and raw stills are read; name others, or convert "
+      "them\n",
+      others.front(), more);
+}
+
 // What makes one clip of a folder: its stills, or its videos but not the recordings that were made of them.
 Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& folder) {
   std::vector<std::string> files = TRY(footage_in(folder));
@@ -177,6 +189,7 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
     return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are a picture and a video, which do not make "
                                                  "one clip; name the files of one kind",
                                                  *still, *video)};
+  if (still != files.end()) tell_other_pictures(folder);
   return files;
 }
 

@@ -25,6 +25,8 @@ constexpr Duration kLatest = std::chrono::years(100);  // of a frame; sums of tw
 
 // What is looked at in a folder; a file that is named is opened whatever it is called.
 constexpr std::string_view kStills[] = {".jpeg", ".jpg", ".png", ".tif", ".tiff"};
+constexpr std::string_view kOtherPictures[] = {".avif", ".bmp", ".crw", ".gpr", ".heic", ".heif", ".hif",
+                                               ".jp2",  ".jpe", ".jxl", ".mpo", ".webp", ".x3f"};
 constexpr std::string_view kVideos[] = {".avi", ".m2ts", ".m4v", ".mkv",  ".mov", ".mp4",
                                         ".mts", ".mxf",  ".nut", ".webm", ".ts",  ".y4m"};
 
@@ -57,6 +59,18 @@ bool before(const std::string& a, const std::string& b) {
     }
   }
   return a.size() - i < b.size() - j;
+}
+
+// Those with such names, in their order.
+template <class Is>
+std::vector<std::string> files_of(const FolderListing& listing, const Is& is) {
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const fs::path& path : listing.paths())
+    if (fs::is_regular_file(path, ignored) && is(path.string()) && !is_hidden(path))
+      files.push_back(path.string());
+  std::ranges::sort(files, before);
+  return files;
 }
 
 // The files of a clip one after the other. A file that does not say when its frames are, as a still does not,
@@ -227,12 +241,8 @@ bool is_still(const std::string& path) { return is_raw_still(path) || has_one_of
 bool is_footage(const std::string& path) { return is_still(path) || has_one_of(path, kVideos); }
 
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
-  std::vector<std::string> files;
-  std::error_code ignored;
   const FolderListing listing(folder);
-  for (const fs::path& path : listing.paths())
-    if (fs::is_regular_file(path, ignored) && is_footage(path.string()) && !is_hidden(path))
-      files.push_back(path.string());
+  std::vector<std::string> files = files_of(listing, is_footage);
   if (listing.failure()) return listing.cannot_read();
   if (files.empty())
     return Error{
@@ -240,8 +250,12 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
         fmt::format("there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; name "
                     "files of other kinds one by one",
                     folder)};
-  std::ranges::sort(files, before);
   return files;
+}
+
+std::vector<std::string> other_pictures_in(const std::string& folder) {
+  return files_of(FolderListing(folder),
+                  [](const std::string& path) { return has_one_of(path, kOtherPictures); });
 }
 
 }  // namespace hdrcam

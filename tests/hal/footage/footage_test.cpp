@@ -391,6 +391,12 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   for (const char* name : {"IMG_9.jpg", "IMG_10.JPG", "IMG_0011.jpg", "clip.mov", "img_2.png"})
     expected.push_back(folder + "/" + name);
   CHECK(files.value() == expected);
+  CHECK(other_pictures_in(folder).empty());
+  for (const char* name : {"IMG_12.HEIC", "IMG_3.webp", "._IMG_4.heic"})
+    std::ofstream(folder + "/" + name) << "x";
+  CHECK(footage_in(folder).value() == expected);
+  CHECK(other_pictures_in(folder) ==
+        std::vector<std::string>{folder + "/IMG_3.webp", folder + "/IMG_12.HEIC"});
   const std::string empty = sample::scratch_folder("footage_empty");
   CHECK(sample::error_of(footage_in(empty)).code == ErrorCode::NotFound);
   std::ofstream(empty + "/x.bmp") << "x";  // such are read where they are named
