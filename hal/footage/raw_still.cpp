@@ -102,6 +102,13 @@ double black_of(const libraw_data_t& raw) {
   return raw.idata.dng_version == 0 || is_measured ? black : stated;
 }
 
+// From which code on all is clipped. Some files state 2^n for codes of n bits, whose largest is one less.
+unsigned white_of(const libraw_colordata_t& color) {
+  constexpr unsigned kFewestCodes = 256;
+  const unsigned stated = color.maximum;
+  return stated >= kFewestCodes && std::has_single_bit(stated) ? stated - 1 : stated;
+}
+
 // Whether the picture that the file states is more than its raw data holds.
 bool reaches_beyond(const libraw_image_sizes_t& sizes) {
   return sizes.left_margin + sizes.width > sizes.raw_width ||
@@ -174,7 +181,7 @@ class RawStill : public PictureFile {
                       "{}x{}; copy it again, or leave it out",
                       path, sizes.width, sizes.height, sizes.left_margin, sizes.top_margin, sizes.raw_width,
                       sizes.raw_height)};
-    const unsigned white = raw.imgdata.color.maximum;
+    const unsigned white = white_of(raw.imgdata.color);
     facts_.bits = std::clamp(static_cast<int>(std::bit_width(white)), 8, 16);
     facts_.layout = *layout, facts_.linear = true, facts_.still = true;
     facts_.turned = sizes.flip != 0;

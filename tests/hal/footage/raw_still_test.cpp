@@ -56,6 +56,19 @@ TEST_CASE("a raw still is the mosaic of its sensor, linear, with black level and
   }
 }
 
+TEST_CASE("a white level of 4096 is that of codes of twelve bits, of which the largest is clipped") {
+  test::DngStill still;
+  still.white = 4096, still.code_at = [](int, int x) { return static_cast<std::uint16_t>(4095 - x); };
+  const std::string path = sample::scratch_folder("raw_still_white") + "/x.dng";
+  auto footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
+  REQUIRE(footage.ok());
+  CHECK(footage.value()->camera().bits == 12);
+  RawFrame frame;
+  REQUIRE(footage.value()->next(frame).value());
+  CHECK(frame.codes.at(0, 0, 0) == 4095);
+  CHECK(frame.codes.at(0, 0, 1) == 4094);
+}
+
 TEST_CASE("the black level of a raw still keeps the fractions that its file states") {
   test::DngStill still;
   still.black_tenths = {2566, 2567, 2568, 2567}, still.code_at = code_at;
