@@ -37,7 +37,7 @@ bool has_one_of(const std::string& path, std::span<const std::string_view> exten
 // Such as "._IMG_0.JPG", which some systems write beside each file of a card.
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-// By letters, and numbers by their value.
+// By letters, and numbers by their value; names that differ in leading zeros alone by their letters.
 bool before(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -58,7 +58,8 @@ bool before(const std::string& a, const std::string& b) {
       ++i, ++j;
     }
   }
-  return a.size() - i < b.size() - j;
+  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
+  return a < b;
 }
 
 // Those with such names, in their order.

@@ -382,13 +382,14 @@ TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is 
 
 TEST_CASE("files in a folder come in the order of their numbers") {
   const std::string folder = sample::scratch_folder("footage_order");
-  for (const char* name :
-       {"IMG_10.JPG", "IMG_9.jpg", "img_2.png", "IMG_0011.jpg", "notes.txt", "clip.mov", "._IMG_9.jpg"})
+  for (const char* name : {"IMG_10.JPG", "IMG_9.jpg", "IMG_09.jpg", "IMG_009.jpg", "img_2.png",
+                           "IMG_0011.jpg", "notes.txt", "clip.mov", "._IMG_9.jpg"})
     std::ofstream(folder + "/" + name) << "x";
   const auto files = footage_in(folder);
   REQUIRE(files.ok());
   std::vector<std::string> expected;
-  for (const char* name : {"IMG_9.jpg", "IMG_10.JPG", "IMG_0011.jpg", "clip.mov", "img_2.png"})
+  for (const char* name :
+       {"IMG_009.jpg", "IMG_09.jpg", "IMG_9.jpg", "IMG_10.JPG", "IMG_0011.jpg", "clip.mov", "img_2.png"})
     expected.push_back(folder + "/" + name);
   CHECK(files.value() == expected);
   CHECK(other_pictures_in(folder).empty());
