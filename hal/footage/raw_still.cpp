@@ -32,6 +32,7 @@ constexpr int kMostTextBytes = 64;  // of EXIF's times
 struct ExifExtras {
   std::string date_time, sub_second, offset;  // when the still was taken
   std::uint32_t sensitivity = 0;              // beyond 16 bits; 0: not stated
+  bool endless = false;  // an exposure time divided by 0, which LibRaw takes for whole seconds
 };
 
 std::uint32_t read_long(LibRaw_abstract_datastream& file, unsigned byte_order) {
@@ -47,11 +48,16 @@ std::uint32_t read_long(LibRaw_abstract_datastream& file, unsigned byte_order) {
 void read_extras(void* extras, int tag, int type, int length, unsigned byte_order, void* file, INT64) {
   constexpr int kDateTimeOriginal = 0x9003, kOffsetTimeOriginal = 0x9011, kSubSecTimeOriginal = 0x9291;
   constexpr int kOutputSensitivity = 0x8831, kExposureIndex = 0x8832, kIsoSpeed = 0x8833, kLong = 4;
+  constexpr int kExposureTime = 0x829a, kRational = 5;
   auto& found = *static_cast<ExifExtras*>(extras);
   auto& stream = *static_cast<LibRaw_abstract_datastream*>(file);
   const bool is_sensitivity = tag == kOutputSensitivity || tag == kExposureIndex || tag == kIsoSpeed;
   if (is_sensitivity && type == kLong && found.sensitivity == 0)
     found.sensitivity = read_long(stream, byte_order);
+  if (tag == kExposureTime && type == kRational) {
+    read_long(stream, byte_order);
+    found.endless = read_long(stream, byte_order) == 0;
+  }
   std::string* const text = tag == kDateTimeOriginal     ? &found.date_time
                             : tag == kOffsetTimeOriginal ? &found.offset
                             : tag == kSubSecTimeOriginal ? &found.sub_second
@@ -208,7 +214,7 @@ class RawStill : public PictureFile {
     facts.black_level = BlackLevel::of_code(black_of(raw.imgdata), facts_.bits);
     facts.exposure_source = ExposureSource::Unknown;
     const libraw_imgother_t& other = raw.imgdata.other;
-    if (!(other.shutter > 0)) return;
+    if (!(other.shutter > 0) || extras.endless) return;
     const auto stated = [](float value) {
       return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
     };

@@ -129,6 +129,17 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK_FALSE(footage.value()->taken());
 }
 
+TEST_CASE("a raw still whose exposure time is divided by zero does not state it") {
+  test::DngStill still;
+  still.code_at = code_at, still.shutter_per_s = 0;
+  const std::string path = sample::scratch_folder("raw_still_endless") + "/x.dng";
+  auto footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
+  REQUIRE(footage.ok());
+  RawFrame frame;
+  REQUIRE(footage.value()->next(frame).value());
+  CHECK(frame.facts.exposure_source == ExposureSource::Unknown);
+}
+
 TEST_CASE("a raw still that states its orientation is turned, and its mosaic stays") {
   const std::string folder = sample::scratch_folder("raw_still_turned");
   test::DngStill still;
