@@ -246,12 +246,20 @@ Result<void> tell_losses(const FootagePlan& plan) {
   return cut ? Error{ErrorCode::Truncated, *cut} : Result<void>();
 }
 
+// Whether there is memory for it, before all of it is read: the first picture tells.
+Result<void> admit_footage(Storage& storage, const FootageRequest& request, const Settings& settings) {
+  const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
+  return admit_copy(settings, footage->camera());
+}
+
 Result<void> import_footage(Surroundings& around, const ImportOptions& options, const Settings& settings) {
   FootageRequest footage = options.footage;
   footage.files = TRY(footage_files(around.storage, footage.files));
-  if (!options.list)
+  if (!options.list) {
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
+    TRY(admit_footage(around.storage, footage, settings));
+  }
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
   tell_unapplied(plan);
   if (options.list) {

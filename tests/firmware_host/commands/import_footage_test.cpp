@@ -48,6 +48,15 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("footage that needs more memory than is allowed is refused before all of it is read") {
+  const std::string folder = sample::scratch_folder("import_memory");
+  test::write_jpeg(folder + "/a.jpg", scene().frame(0).codes, test::Exif{});
+  std::ofstream(folder + "/b.jpg") << "no picture\n";
+  const auto refused = import_verb(folder + " --memory 64 -o " + folder + "/x.mkv");
+  CHECK(sample::error_of(refused).code == ErrorCode::Unsupported);
+  CHECK_THAT(sample::error_of(refused).message, Contains("--memory"));
+}
+
 TEST_CASE("a folder of brackets with EXIF needs no flag") {
   const std::string folder = sample::scratch_folder("import_exif");
   const std::vector<int> frames = filmed(0, 9, {});
