@@ -139,6 +139,7 @@ def check_figures(browser):
     for table, word in (('frames', 'captured'), ('verdicts', 'saturates at'), ('drops', 'shed'), ('stages', 'motion'),
                         ('provenance', 'carried')):
         assert word in tables[table], f'{table}: {tables[table]}'
+    assert '-0.0 stops' not in tables['verdicts'], tables['verdicts']
     foreign = browser.run('''return performance.getEntriesByType('resource').map((e) => e.name)
                                       .filter((name) => !name.startsWith(location.origin))''')
     assert not foreign, f'the page loads from elsewhere: {foreign}'

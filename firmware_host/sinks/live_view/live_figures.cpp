@@ -139,7 +139,7 @@ std::string status_json(const LiveFigures& figures) {
   for (const ExposureInUse& exposure : emission.exposures)
     cycle.push_back({{"time_s", exposure.time_s},
                      {"gain", exposure.gain},
-                     {"saturates_at_stops", -std::log2(exposure.relative)}});
+                     {"saturates_at_stops", std::log2(1 / exposure.relative)}});
   Json& stages = json["mean_stages_ms"] = Json::object();
   for (const NamedValue& stage : emission.stages_ms)
     stages[std::string(stage.name)] = stage.value / static_cast<double>(emission.frames);

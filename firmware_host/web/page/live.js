@@ -73,7 +73,7 @@ async function show_pixel() {
   if (!answer.ok) return wait(300);
   const pixel = await answer.json();
   const cursor = $('cursor');
-  cursor.textContent = `${pixel.stops.toFixed(2)} stops at ${x}, ${y}:  R ${pixel.radiance[0].toPrecision(4)}  ` +
+  cursor.textContent = `${rounded(pixel.stops, 2)} stops at ${x}, ${y}:  R ${pixel.radiance[0].toPrecision(4)}  ` +
     `G ${pixel.radiance[1].toPrecision(4)}  B ${pixel.radiance[2].toPrecision(4)}  ±${(pixel.sigma / Math.LN2).toFixed(2)} ` +
     `stops, ${pixel.provenance}`;
   Object.assign(cursor.dataset, { sequence: pixel.sequence, x, y, radiance: JSON.stringify(pixel.radiance) });
@@ -110,6 +110,8 @@ function swatch(colour) {
 }
 
 const percent = (share) => (100 * share).toFixed(1) + ' %';
+// Zero without a sign, which what was rounded to it may have.
+const rounded = (value, decimals) => value.toFixed(decimals).replace(/^-(?=[0.]*$)/, '');
 const ms = (time) => time.toFixed(1) + ' ms';
 const seconds_as_text = (s) => s >= 0.1 ? s.toPrecision(3) + ' s' : +(1e3 * s).toPrecision(3) + ' ms';
 
@@ -126,7 +128,7 @@ function show_figures(status) {
   const verdict = (name) => has_camera ? counters['camera.' + name] : status.verdicts[name];
   fill('verdicts', Object.keys(status.verdicts).map((name) => [name, verdict(name)])
     .concat(status.exposures.map((e) => [`exposure ${seconds_as_text(e.time_s)}` + (e.gain === 1 ? '' : ` × ${e.gain}`),
-      `saturates at ${e.saturates_at_stops.toFixed(1)} stops`])));
+      `saturates at ${rounded(e.saturates_at_stops, 1)} stops`])));
   const drops = Object.entries(counters).filter(([name]) => name.startsWith('dropped.'));
   fill('drops', drops.length ? drops.map(([name, count]) => [name.slice(8).replace('_', ' '), count]) : [['a replay drops nothing', '']]);
   if (!status.frame) return;

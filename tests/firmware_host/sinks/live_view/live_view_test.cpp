@@ -296,6 +296,18 @@ TEST_CASE("the status has the histogram, the exposures, the counters and the sou
     CHECK(frame["provenance"].contains(look["key"].get<std::string>()));
 }
 
+TEST_CASE("the reference exposure saturates at 0 stops, not below zero") {
+  const auto view = open_view();
+  HdrFrame frame = example_frame(0);
+  frame.exposure = 1;
+  REQUIRE(emit(*view, frame).ok());
+  const json status = json_at(*view, "/status.json");
+  REQUIRE(status["exposures"].size() == 1);
+  const auto stops = status["exposures"][0]["saturates_at_stops"].get<double>();
+  CHECK(stops == 0);
+  CHECK_FALSE(std::signbit(stops));
+}
+
 TEST_CASE("a recording whose name is not UTF-8 is shown with a mark in its place") {
   ExampleControl control;
   control.file = "caf\xe9.mkv";
