@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "firmware_host/film/virtual_camera.h"
+#include "firmware_host/percent_text.h"
 #include "firmware_host/run/governor.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
@@ -147,9 +148,9 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
 void add_findings(const VirtualCamera& film, RunRecord& record) {
   record.film_pixels = film.pixels(), record.film_pixels_from_field = film.filled_pixels();
   const auto all = static_cast<double>(std::max<std::uint64_t>(1, film.pixels()));
-  record.notes.push_back(fmt::format("film: {}; {:.1f} % of their pixels filled by the field",
+  record.notes.push_back(fmt::format("film: {}; {} % of their pixels filled by the field",
                                      counted(film.shown(), "frame"),
-                                     100 * static_cast<double>(film.filled_pixels()) / all));
+                                     percent_text(static_cast<double>(film.filled_pixels()) / all)));
 }
 
 Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film) {

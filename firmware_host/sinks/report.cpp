@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "firmware_host/percent_text.h"
 #include "firmware_host/sinks/contact_sheet.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/provenance_palette.h"
@@ -205,7 +206,8 @@ std::string provenance_section(const RunRecord& record) {
     chart.series.push_back({look.name, css(look.colour), over_frames(record, [i](const FrameRecord& frame) {
                               return 100.0 * static_cast<double>(frame.provenance_share[i]);
                             })});
-    rows += fmt::format("<tr><th>{}</th><td class=\"n\">{:.1f} %</td></tr>\n", look.name, 100 * shares[i]);
+    rows +=
+        fmt::format("<tr><th>{}</th><td class=\"n\">{} %</td></tr>\n", look.name, percent_text(shares[i]));
   }
   return section(
       "Sources of the pixels",

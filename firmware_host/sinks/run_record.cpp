@@ -69,11 +69,13 @@ double mean_ms_per_frame(const RunRecord& record) {
   return record.frames.empty() ? 0 : sum_ms / static_cast<double>(record.frames.size());
 }
 
+// Sums are divided once, so that the mean is 1 where every share is.
 std::array<double, kProvenances> mean_provenance(const RunRecord& record) {
   std::array<double, kProvenances> shares{};
   for (const FrameRecord& frame : record.frames)
     for (std::size_t i = 0; i < kProvenances; ++i)
-      shares[i] += frame.provenance_share[i] / static_cast<double>(record.frames.size());
+      shares[i] += static_cast<double>(frame.provenance_share[i]);
+  for (double& share : shares) share /= static_cast<double>(std::max<std::size_t>(1, record.frames.size()));
   return shares;
 }
 

@@ -109,7 +109,7 @@ function swatch(colour) {
   return box;
 }
 
-const percent = (share) => (100 * share).toFixed(1) + ' %';
+const percent = (share) => (share < 1 ? Math.min(100 * share, 99.9) : 100).toFixed(1) + ' %';  // 100.0 only for all
 // Zero without a sign, which what was rounded to it may have.
 const rounded = (value, decimals) => value.toFixed(decimals).replace(/^-(?=[0.]*$)/, '');
 const ms = (time) => time.toFixed(1) + ' ms';
