@@ -84,10 +84,12 @@ DelayEstimate DelayCalibration::estimate() const {
         "or unsteady, or frames are lost",
         estimate.comparisons, int{kEnough});
   } else if (1 - estimate.agreement() > kMostMisses) {
+    // Rounded up, or a delay would explain more than is said.
+    const int most_percent = (100 * estimate.agreed + estimate.comparisons - 1) / estimate.comparisons;
     estimate.reason = fmt::format(
-        "no delay explains more than {:.0f} % of the pictures: the camera may ignore the control, "
-        "or adjust itself",
-        100 * estimate.agreement());
+        "no delay explains more than {} % of the pictures: the camera may ignore the control, or adjust "
+        "itself",
+        most_percent);
   } else if (estimate.confidence < kSure) {
     estimate.reason = "two delays explain the pictures equally well";
   } else {
