@@ -1,15 +1,13 @@
 #include "render/exr_header.h"
 
-#include <ImfFramesPerSecond.h>
 #include <ImfHeader.h>
 #include <ImfRational.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTimeCode.h>
 
-#include <cmath>
-
 #include "hal/core/geometry.h"
+#include "hal/video/nominal_rate.h"
 
 namespace hdrcam {
 namespace {
@@ -43,11 +41,9 @@ PoseMatrix world_from_camera(const Imath::M44f& m) {
 Imath::V2f library_point(const std::array<float, 2>& xy) { return {xy[0], xy[1]}; }
 std::array<float, 2> point(const Imath::V2f& xy) { return {xy.x, xy.y}; }
 
-// The nominal rate. Intervals are rounded: of whole nanoseconds, 30 Hz would be 100000021 / 3333334.
 Imf::Rational frames_per_second(double hz) {
-  constexpr double kNearly_hz = 0.002;  // as the library has it for 29.97 and its like
-  const double whole = std::round(hz);
-  return Imf::guessExactFps(whole >= 1 && std::abs(hz - whole) < kNearly_hz ? whole : hz);
+  const NominalRate rate = nominal_rate(hz);
+  return {rate.numerator, rate.denominator};
 }
 
 }  // namespace

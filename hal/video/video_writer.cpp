@@ -14,6 +14,7 @@ extern "C" {
 #include <utility>
 
 #include "hal/core/file_extension.h"
+#include "hal/video/nominal_rate.h"
 
 namespace hdrcam {
 namespace {
@@ -136,7 +137,8 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
   AVCodecContext& encoder = *encoder_;
   encoder.width = format.coded_width_px(), encoder.height = format.coded_height_px();
   encoder.pix_fmt = format.bits == 8 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV420P10;
-  encoder.framerate = av_d2q(format.framerate_hz, 1 << 20);
+  const NominalRate rate = nominal_rate(format.framerate_hz);
+  encoder.framerate = {rate.numerator, rate.denominator};
   encoder.time_base = av_inv_q(encoder.framerate);  // of the encoder: pictures are numbered
   encoder.gop_size = std::max(1, static_cast<int>(std::lround(format.framerate_hz * kFragment_s)));
   encoder.color_primaries = static_cast<AVColorPrimaries>(format.tags.primaries);

@@ -282,6 +282,16 @@ TEST_CASE("a pipe gets the codes themselves, ten bits, with or without times") {
   }
 }
 
+TEST_CASE("a pipe of 29.97 frames per second states 30000 / 1001, as OpenEXR files do") {
+  const std::string path = sample::scratch_folder("pipe_rate") + "/x.y4m";
+  auto sink = create_video_pipe(posix_storage().create(path).value(), 29.97, {.pipe = PipeFormat::Y4m});
+  REQUIRE(sink.ok());
+  REQUIRE(test::emit(**sink, wedge(0)).ok());
+  REQUIRE(sink.value()->finish().ok());
+  const std::string file = read_whole(posix_storage(), path).value();
+  CHECK_THAT(file.substr(0, file.find('\n')), Catch::Contains(" F30000:1001 "));
+}
+
 TEST_CASE("what cannot be is refused before a frame comes") {
   const std::string folder = sample::scratch_folder("refused");
   const auto code = [&](const char* name, const VideoOptions& options) {
