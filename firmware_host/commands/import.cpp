@@ -159,19 +159,16 @@ AsRecording as_recording(Storage& storage, const std::string& file) {
 }
 
 // A frame of a bracket may be among them.
-void tell_other_pictures(const std::string& folder) {
-  const std::vector<std::string> others = other_pictures_in(folder);
-  if (others.empty()) return;
+void tell_left_out(const std::vector<std::string>& files, std::string_view why) {
+  if (files.empty()) return;
   const std::string more =
-      others.size() > 1 ? fmt::format(" and {} more are", others.size() - 1) : std::string(" is");
-  remark(
-      "note: '{}'{} left out: of a folder, JPEG, PNG, TIFF and raw stills are read; name others, or convert "
-      "them\n",
-      others.front(), more);
+      files.size() > 1 ? fmt::format(" and {} more are", files.size() - 1) : std::string(" is");
+  remark("note: '{}'{} left out: {}\n", files.front(), more, why);
 }
 
 // What makes one clip of a folder: its stills, or its videos but not the recordings that were made of them.
 Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& folder) {
+  tell_left_out(broken_links_in(folder), "a link whose file is not there");
   std::vector<std::string> files = TRY(footage_in(folder));
   std::erase_if(files, [&](const std::string& file) {
     const AsRecording recording = as_recording(storage, file);
@@ -189,7 +186,9 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
     return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are a picture and a video, which do not make "
                                                  "one clip; name the files of one kind",
                                                  *still, *video)};
-  if (still != files.end()) tell_other_pictures(folder);
+  if (still != files.end())
+    tell_left_out(other_pictures_in(folder),
+                  "of a folder, JPEG, PNG, TIFF and raw stills are read; name others, or convert them");
   return files;
 }
 

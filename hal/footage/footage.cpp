@@ -62,14 +62,25 @@ bool before(const std::string& a, const std::string& b) {
   return a < b;
 }
 
-// Those with such names, in their order.
-template <class Is>
-std::vector<std::string> files_of(const FolderListing& listing, const Is& is) {
-  std::vector<std::string> files;
+bool is_other_picture(const std::string& path) { return has_one_of(path, kOtherPictures); }
+
+bool is_regular_file(const fs::path& path) {
   std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool is_broken_link(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_symlink(path, ignored) && !fs::exists(path, ignored);
+}
+
+// Those of such a kind with such names, in their order.
+template <class IsKind, class IsNamed>
+std::vector<std::string> files_of(const FolderListing& listing, const IsKind& is_kind,
+                                  const IsNamed& is_named) {
+  std::vector<std::string> files;
   for (const fs::path& path : listing.paths())
-    if (fs::is_regular_file(path, ignored) && is(path.string()) && !is_hidden(path))
-      files.push_back(path.string());
+    if (is_named(path.string()) && !is_hidden(path) && is_kind(path)) files.push_back(path.string());
   std::ranges::sort(files, before);
   return files;
 }
@@ -243,7 +254,7 @@ bool is_footage(const std::string& path) { return is_still(path) || has_one_of(p
 
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   const FolderListing listing(folder);
-  std::vector<std::string> files = files_of(listing, is_footage);
+  std::vector<std::string> files = files_of(listing, is_regular_file, is_footage);
   if (listing.failure()) return listing.cannot_read();
   if (files.empty())
     return Error{
@@ -255,8 +266,12 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
 }
 
 std::vector<std::string> other_pictures_in(const std::string& folder) {
-  return files_of(FolderListing(folder),
-                  [](const std::string& path) { return has_one_of(path, kOtherPictures); });
+  return files_of(FolderListing(folder), is_regular_file, is_other_picture);
+}
+
+std::vector<std::string> broken_links_in(const std::string& folder) {
+  return files_of(FolderListing(folder), is_broken_link,
+                  [](const std::string& path) { return is_footage(path) || is_other_picture(path); });
 }
 
 }  // namespace hdrcam

@@ -68,5 +68,7 @@ bool is_footage(const std::string& path);
 Result<std::vector<std::string>> footage_in(const std::string& folder);
 // The pictures in it of kinds that are read only where they are named, or not at all, as HEIC, by name.
 std::vector<std::string> other_pictures_in(const std::string& folder);
+// The links in it that are named like pictures and videos, and whose files are not there, by name.
+std::vector<std::string> broken_links_in(const std::string& folder);
 
 }  // namespace hdrcam

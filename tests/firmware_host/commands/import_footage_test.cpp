@@ -218,6 +218,20 @@ TEST_CASE("a damaged still ends the import, and nothing is written") {
   CHECK_FALSE(std::filesystem::exists(out));
 }
 
+TEST_CASE("a link in a folder whose file is not there is left out and named") {
+  const std::string folder = write_bracket("import_links");
+  const std::string out = sample::scratch_folder("import_links_out") + "/x.mkv";
+  std::filesystem::create_symlink(folder + "/gone", folder + "/IMG_9.JPG");
+  const test::Ran one = test::ran({"import", folder, "-o", out});
+  CHECK(one.exit_code == 0);
+  CHECK_THAT(one.output,
+             Contains("note: '" + folder + "/IMG_9.JPG' is left out: a link whose file is not there"));
+  check_labels(out, filmed(0, 9, {}));
+  std::filesystem::create_symlink(folder + "/gone", folder + "/IMG_10.JPG");
+  CHECK_THAT(test::ran({"import", folder, "--list"}).output,
+             Contains("/IMG_9.JPG' and 1 more are left out: "));
+}
+
 TEST_CASE("a recording is no footage: in a folder it is left out, by its name it is refused") {
   const std::string folder = write_bracket("import_own");
   REQUIRE(import_verb(folder + " -o " + folder + "/new.mkv").ok());

@@ -404,6 +404,22 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   CHECK_THAT(sample::error_of(footage_in(empty)).message, Contains(empty) && Contains("name files of other"));
 }
 
+TEST_CASE("links in a folder are footage where their files are there, and found where they are not") {
+  const std::string folder = sample::scratch_folder("footage_links"),
+                    card = sample::scratch_folder("footage_links_card");
+  std::ofstream(card + "/1.jpg") << "x";
+  std::filesystem::create_symlink(card + "/1.jpg", folder + "/IMG_1.jpg");
+  for (const char* name : {"IMG_10.jpg", "IMG_2.jpg", "IMG_3.heic", "clip.mov", "notes.txt", "._IMG_4.jpg"})
+    std::filesystem::create_symlink(card + "/gone", folder + "/" + name);
+  std::filesystem::create_symlink("IMG_5.png", folder + "/IMG_5.png");  // to itself
+  CHECK(footage_in(folder).value() == std::vector<std::string>{folder + "/IMG_1.jpg"});
+  CHECK(other_pictures_in(folder).empty());
+  std::vector<std::string> broken;
+  for (const char* name : {"IMG_2.jpg", "IMG_3.heic", "IMG_5.png", "IMG_10.jpg", "clip.mov"})
+    broken.push_back(folder + "/" + name);
+  CHECK(broken_links_in(folder) == broken);
+}
+
 TEST_CASE("what is no footage is an error that names the file") {
   const std::string folder = sample::scratch_folder("footage_wrong");
   const std::string text = folder + "/x.mp4";
