@@ -19,6 +19,7 @@ extern "C" {
 #include "hal/core/parse_number.h"
 #include "hal/core/split_text.h"
 #include "hal/footage/exif_exposure.h"
+#include "hal/footage/exif_segments.h"
 #include "hal/footage/footage.h"
 #include "hal/footage/icc_primaries.h"
 #include "hal/footage/tiff_objection.h"
@@ -269,6 +270,8 @@ Result<void> VideoFile::feed() {
   if (stream_.failure()) return *stream_.failure();
   if (read >= 0 && packet_->stream_index == track_) {
     TRY(check_codes(*packet_));
+    if (decoder_->codec_id == AV_CODEC_ID_MJPEG && av_packet_make_writable(packet_.get()) >= 0)
+      hide_later_exif(std::span(packet_->data, static_cast<std::size_t>(packet_->size)));
     send(*packet_);
   }
   av_packet_unref(packet_.get());

@@ -261,6 +261,23 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
   CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
+TEST_CASE("of a JPEG with two EXIF segments the first one counts, as in other readers") {
+  const std::string path = sample::scratch_folder("footage_two_exif") + "/a.jpg";
+  test::write_jpeg(path, patches(0), test::Exif{1, 250, 400, 56});
+  const std::vector<std::uint8_t> first = test::exif_segment({1, 1000, 100, 28});
+  const std::size_t length = first.size() + 2;
+  const std::string mark{'\xff', '\xe1', static_cast<char>(length >> 8), static_cast<char>(length & 255)};
+  std::string bytes = test::text_of(path);
+  bytes.insert(2, mark + std::string(first.begin(), first.end()));  // behind the start of the image
+  std::ofstream(path, std::ios::binary) << bytes;
+  const Read still = read({path});
+  REQUIRE_FALSE(still.error);
+  REQUIRE(still.frames.size() == 1);
+  CHECK(still.frames[0].facts.exposure_s == Approx(0.001));
+  CHECK(still.frames[0].facts.analogue_gain == Approx(1));
+  CHECK(difference(still.frames[0], still.camera.bits, patches(0)) < 2.5);
+}
+
 TEST_CASE("stills of two models of cameras are no clip, and both are named") {
   const std::string folder = sample::scratch_folder("footage_models");
   const std::vector<std::string> models{"", "EOS R5 ", "EOS R5", "X-T4"};
