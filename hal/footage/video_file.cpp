@@ -37,8 +37,12 @@ int open_nothing(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary
   return AVERROR(EACCES);
 }
 
-// A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100", "-1:1".
-std::optional<double> exif_value(const AVFrame& frame, const char* tag) {
+// Of EXIF's rational numbers.
+enum class ExifRational { Signed, Unsigned };
+
+// A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100", "-1:1". It prints parts of unsigned ones as if
+// they were signed: 4000000000:1000000000 as "-294967296:1000000000".
+std::optional<double> exif_value(const AVFrame& frame, const char* tag, ExifRational kind) {
   const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
   if (entry == nullptr) return std::nullopt;
   std::string_view text = entry->value;
@@ -53,6 +57,8 @@ std::optional<double> exif_value(const AVFrame& frame, const char* tag) {
   if (text.starts_with(':') || text.starts_with('/')) {
     text.remove_prefix(1);
     if (!take(divisor) || divisor == 0) return std::nullopt;
+    for (double* const part : {&value, &divisor})
+      if (kind == ExifRational::Unsigned && *part < 0) *part += 0x1p32;
   }
   return value / divisor;
 }
@@ -62,7 +68,7 @@ std::optional<double> if_positive(std::optional<double> value) {
 }
 
 std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
-  return if_positive(exif_value(frame, tag));
+  return if_positive(exif_value(frame, tag, ExifRational::Unsigned));
 }
 
 // "00:01:02.500000000", as Matroska states the end of a track; seconds.
@@ -124,13 +130,14 @@ bool states(const AVFrame& frame, const char* tag) {
 // and Av = 2 log2(N), mostly rounded. Beside one that is 0, as of a lens without contacts, they say nothing.
 std::optional<double> exif_time_s(const AVFrame& frame) {
   if (states(frame, "ExposureTime")) return exif_number(frame, "ExposureTime");
-  const auto apex = exif_value(frame, "ShutterSpeedValue");
+  const auto apex = exif_value(frame, "ShutterSpeedValue", ExifRational::Signed);
   return apex ? if_positive(std::exp2(-*apex)) : std::nullopt;
 }
 
 std::optional<double> exif_f_number(const AVFrame& frame) {
   if (states(frame, "FNumber")) return exif_number(frame, "FNumber");
-  const auto apex = exif_value(frame, "ApertureValue");
+  // Unsigned by the standard, but that of a lens faster than f/1 is negative.
+  const auto apex = exif_value(frame, "ApertureValue", ExifRational::Signed);
   return apex ? if_positive(std::exp2(*apex / 2)) : std::nullopt;
 }
 

@@ -261,6 +261,22 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
   CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
+TEST_CASE("an exposure time of numbers from 2^31 on is no negative one") {
+  const std::string path = sample::scratch_folder("footage_large_rational") + "/a.jpg";
+  const std::pair<test::Exif, double> times[] = {{{4'000'000'000, 1'000'000'000}, 4},
+                                                 {{10'000'000, 2'500'000'000}, 0.004},
+                                                 {{2'147'483'648, 4'294'967'295}, 0.5}};
+  for (const auto& [exif, time_s] : times) {
+    CAPTURE(exif.time_numerator, exif.time_denominator);
+    test::write_jpeg(path, patches(0), exif);
+    const Read still = read({path});
+    REQUIRE_FALSE(still.error);
+    REQUIRE(still.frames.size() == 1);
+    CHECK(still.frames[0].facts.exposure_source == ExposureSource::Embedded);
+    CHECK(still.frames[0].facts.exposure_s == Approx(time_s));
+  }
+}
+
 TEST_CASE("of a JPEG with two EXIF segments the first one counts, as in other readers") {
   const std::string path = sample::scratch_folder("footage_two_exif") + "/a.jpg";
   test::write_jpeg(path, patches(0), test::Exif{1, 250, 400, 56});
