@@ -97,8 +97,31 @@ Result<double> framerate_of(const ExrImage& image, const NumberedFile& file, dou
                                                file.path, stated_hz, kLeastFramerate_hz, kMostFramerate_hz)};
 }
 
+// Who says the luminance of radiance 1.
+enum class WhiteOrigin { Settings, Files };
+
+// Files say it where --white does not. What has no absolute light needs none.
+WhiteOrigin white_origin_of(const SettingsFlags& flags, const VideoOptions& video,
+                            const std::string& output) {
+  const bool given = !flags.given({"video.white"}).empty() || video.white_nits != VideoOptions{}.white_nits;
+  const bool absolute =
+      video.transfer != VideoTransfer::Sdr && (output != kStandardOutput || video.pipe != PipeFormat::Half);
+  return absolute && !given ? WhiteOrigin::Files : WhiteOrigin::Settings;
+}
+
+// As the first file says, or the usual one.
+Result<double> white_nits_of(const ExrImage& image, const NumberedFile& file, const VideoOptions& video) {
+  constexpr double kLeast_nits = 0.001;
+  const double stated_nits = image.attributes.white_cd_m2.value_or(video.white_nits);
+  if (stated_nits >= kLeast_nits && stated_nits <= video.peak_nits) return stated_nits;
+  return Error{ErrorCode::Invalid,
+               fmt::format("'{}' states that radiance 1 is {:g} cd/m2 (whiteLuminance), {:g} to {:g}, the "
+                           "--peak, are possible; give another --peak, or --white {:g}",
+                           file.path, stated_nits, kLeast_nits, video.peak_nits, video.white_nits)};
+}
+
 Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::uint64_t first,
-                          const Settings& settings, double framerate_hz) {
+                          double white_nits, double framerate_hz) {
   HdrFrame frame;
   frame.facts.sequence = file.sequence;
   frame.radiance = Image<float>(3, image.samples.rows(), image.samples.cols());
@@ -113,7 +136,7 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
   const RunFacts facts = run_facts_of(image.attributes);
   const double regular_s = static_cast<double>(file.sequence - first) / framerate_hz;
   frame.facts.timestamp = Instant::from_seconds(facts.since_start_s.value_or(regular_s));
-  frame.white = static_cast<float>(facts.white.value_or(kBrightest_nits / settings.video.white_nits));
+  frame.white = static_cast<float>(facts.white.value_or(kBrightest_nits / white_nits));
   return frame;
 }
 
@@ -165,30 +188,55 @@ Result<void> check_flags(const EncodeFlags& flags, const Settings& settings, con
 class EncodedFiles {
  public:
   // first: the number of the first file.
-  EncodedFiles(const Settings& settings, std::string output, std::uint64_t first, Storage& storage)
-      : settings_(settings), output_(std::move(output)), first_(first), storage_(storage) {}
+  EncodedFiles(const Settings& settings, WhiteOrigin white, std::string output, std::uint64_t first,
+               Storage& storage)
+      : video_(settings.video),
+        framerate_hz_(settings.camera.framerate_hz),
+        white_(white),
+        output_(std::move(output)),
+        first_(first),
+        storage_(storage) {}
 
   Result<void> add(const NumberedFile& file) {
     const ExrImage image = TRY(read_exr(storage_, file.path));
-    if (!sink_) {
-      warn_of_primaries(image, file);
-      camera_.framerate_hz = TRY(framerate_of(image, file, settings_.camera.framerate_hz));
-      sink_ =
-          TRY(open_sink(sink_name::kFrames,
-                        {.path = output_, .camera = camera_, .video = settings_.video, .storage = storage_}));
-    }
-    const HdrFrame frame = TRY(frame_of(image, file, first_, settings_, camera_.framerate_hz));
+    if (!sink_) TRY(begin(image, file));
+    warn_of_white(image, file);
+    const HdrFrame frame = TRY(frame_of(image, file, first_, video_.white_nits, camera_.framerate_hz));
     return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
   }
   // Nothing where none was added.
   Result<void> finish() { return sink_ ? sink_->finish() : Result<void>{}; }
 
  private:
-  const Settings& settings_;
+  Result<void> begin(const ExrImage& image, const NumberedFile& file) {
+    warn_of_primaries(image, file);
+    camera_.framerate_hz = TRY(framerate_of(image, file, framerate_hz_));
+    stated_white_ = image.attributes.white_cd_m2;
+    if (white_ == WhiteOrigin::Files) video_.white_nits = TRY(white_nits_of(image, file, video_));
+    sink_ = TRY(open_sink(sink_name::kFrames,
+                          {.path = output_, .camera = camera_, .video = video_, .storage = storage_}));
+    return {};
+  }
+
+  // One scale for the whole video.
+  void warn_of_white(const ExrImage& image, const NumberedFile& file) {
+    if (white_ != WhiteOrigin::Files || image.attributes.white_cd_m2 == stated_white_) return;
+    if (!std::exchange(warned_of_white_, true))
+      remark(
+          "warning: '{}' states another luminance of radiance 1 than the first frame, which counts for all; "
+          "convert the frames first, or give --white\n",
+          file.path);
+  }
+
+  VideoOptions video_;  // its white: that of the files, where they say it
+  const double framerate_hz_;
+  const WhiteOrigin white_;
   const std::string output_;
   const std::uint64_t first_;
   Storage& storage_;
   CameraFacts camera_;
+  std::optional<double> stated_white_;  // by the first file, cd/m2
+  bool warned_of_white_ = false;
   std::unique_ptr<FrameSink> sink_;
 };
 
@@ -209,7 +257,8 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
                        {{"--output", output == kStandardOutput ? "" : output, OutputKind::Recording}}));
   TRY(check_one_take(around.storage, files));
 
-  EncodedFiles video(settings, output, files.front().sequence, around.storage);
+  EncodedFiles video(settings, white_origin_of(*flags.settings, settings.video, output), output,
+                     files.front().sequence, around.storage);
   Progress progress(stderr, static_cast<int>(files.size()));
   Result<void> encoded;
   std::size_t frames = 0;  // in the video
@@ -239,6 +288,9 @@ void add_encode(CommandLine program, Verb& chosen) {
   verb.flag("--framerate")
       .describe("frames per second of files that state no time (0.1..1000; 0: as they state it, or 30)")
       .group(title(SettingGroup::Output));
+  verb.flag("--white").describe(
+      "luminance of radiance 1 in HDR videos, cd/m2 (1..10000; not given: as the first file states it, or "
+      "203)");
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, encode); });
 }
 

@@ -200,6 +200,51 @@ TEST_CASE("encode warns of primaries that it does not convert, and not of its ow
   }
 }
 
+TEST_CASE("radiance 1 is as bright as the file states, unless --white says otherwise") {
+  const std::string out = sample::scratch_folder("encode_white"), plain = out + "/plain_%06d.exr",
+                    stating = out + "/stating_%06d.exr";
+  Image<float> grey(1, 32, 32);
+  grey.fill(1);
+  write_grey(out + "/plain_000000.exr", grey);
+  ExrAttributes attributes;
+  attributes.white_cd_m2 = 100;
+  write_grey(out + "/stating_000000.exr", grey, attributes);
+  const auto code = [&](const std::string& words) {
+    const auto [y4m, status] = piped("encode " + words + " -o - --pipe-format y4m");
+    CHECK(status == 0);
+    const test::DecodedVideo video = codes_of(y4m, out + "/x.y4m");
+    REQUIRE(video.frames.size() == 1);
+    return int{video.frames[0].luma.at(0, 16, 16)};
+  };
+  const int usual = code(plain), stated = code(stating);
+  CHECK(stated < usual);
+  CHECK(stated == code(plain + " --white 100"));
+  CHECK(code(stating + " --white 203") == usual);
+  CHECK(code(stating + " --transfer sdr") == code(plain + " --transfer sdr"));
+}
+
+TEST_CASE("a luminance of radiance 1 that cannot be is refused, and one that changes is warned of") {
+  const std::string out = sample::scratch_folder("encode_white_refused"), frames = out + "/%06d.exr";
+  const Image<float> grey(1, 48, 64);
+  ExrAttributes attributes;
+  for (const double white_nits : {0.0, 2000.0, std::numeric_limits<double>::quiet_NaN()}) {
+    CAPTURE(white_nits);
+    attributes.white_cd_m2 = white_nits;
+    write_grey(out + "/000000.exr", grey, attributes);
+    const RanHere refused = ran_here({"encode", frames, "-o", out + "/x.mp4", "--force"});
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Contains("000000.exr' states") && Contains("--peak") && Contains("--white"));
+    CHECK(ran_here({"encode", frames, "-o", out + "/x.mp4", "--force", "--white", "203"}).exit_code == 0);
+  }
+  int number = 0;
+  for (const double white_nits : {100.0, 100.0, 80.0, 90.0}) {
+    attributes.white_cd_m2 = white_nits;
+    write_grey(fmt::format("{}/{:06d}.exr", out, number++), grey, attributes);
+  }
+  const std::string told = test::ran({"encode", frames, "-o", out + "/x.mp4", "--force"}).output;
+  CHECK_THAT(told, Contains("000002.exr' states another luminance") && !Contains("000003.exr"));
+}
+
 TEST_CASE("a pixel of infinite light is as bright as can be, one that is no number is black") {
   const std::string out = sample::scratch_folder("encode_infinite");
   // Our own writer refuses such values: they replace others in the file.
