@@ -70,7 +70,7 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   attributes.chromaticities = Chromaticities{};
   if (options.framerate_hz && facts.timestamp >= start)  // a clock that was set back has none
     attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
-  if (frame.pose) describe(*frame.pose, attributes);
+  if (frame.pose && frame.lens) describe(*frame.pose, attributes);  // two eyes have two
   attributes.owner = options.owner;
   describe(options.layers, frame.length_unit, attributes.texts);
   if (frame.white_balance)

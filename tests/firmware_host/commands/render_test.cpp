@@ -241,6 +241,7 @@ TEST_CASE("a stereo film has both eyes side by side, each from its own place", "
   REQUIRE(frames.size() == 1);
   CHECK(frames[0].samples.cols() == 192);
   CHECK(frames[0].samples.rows() == 48);
+  CHECK_FALSE(frames[0].attributes.T_world_camera);  // of neither eye
   double apart = 0;
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 96; ++x)

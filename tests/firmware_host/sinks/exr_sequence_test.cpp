@@ -77,6 +77,27 @@ TEST_CASE("a file says of an estimated exposure that it is one, and states no ti
   CHECK_THAT(facts.comments, Contains("estimated: no time is known"));
 }
 
+TEST_CASE("a file states the pose of its one camera, and none where two eyes see side by side") {
+  const std::string folder = scratch_folder("exr-pose");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {});
+  REQUIRE(sink.ok());
+  HdrFrame frame = example_frame(1);
+  frame.pose = FramePose{{Eigen::Matrix3d::Identity(), {1, 2, 3}}, PoseSource::Tracked};
+  frame.lens = Intrinsics{32, 32, 16, 12};
+  REQUIRE(emit(*sink.value(), frame).ok());
+  frame.facts.sequence = 2;
+  frame.lens.reset();
+  REQUIRE(emit(*sink.value(), frame).ok());
+  const auto one = read_exr(posix_storage(), folder + "/0001.exr"),
+             stereo = read_exr(posix_storage(), folder + "/0002.exr");
+  REQUIRE((one.ok() && stereo.ok()));
+  REQUIRE(one.value().attributes.T_world_camera);
+  CHECK((*one.value().attributes.T_world_camera)[3] == Approx(1));
+  CHECK(one.value().attributes.texts.contains("hdrcam.poseSource"));
+  CHECK_FALSE(stereo.value().attributes.T_world_camera);
+  CHECK_FALSE(stereo.value().attributes.texts.contains("hdrcam.poseSource"));
+}
+
 TEST_CASE("the layers that were asked for are in the file, and no others") {
   const std::string folder = scratch_folder("exr-layers");
   const ExrLayers all{.depth = true,
