@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,17 @@
 namespace hdrcam {
 namespace {
 
+// The file of each frame.
+std::vector<std::string> files_of_frames(const FootageScan& seen) {
+  std::vector<std::string> files;
+  for (std::size_t file = 0; file < seen.paths.size(); ++file)
+    files.resize(file + 1 < seen.begins.size() ? seen.begins[file + 1] : seen.facts.size(), seen.paths[file]);
+  return files;
+}
+
 // Stills get the times at which they were taken, where EXIF says them well enough.
 TimeOrigin take_exif_times(FootageScan& seen, std::string& trouble) {
-  StillTimes times = times_of(seen.taken);
+  StillTimes times = times_of(seen.taken, files_of_frames(seen));
   trouble = std::move(times.trouble);
   if (times.since_first.empty() && trouble.empty() && seen.stills)
     trouble = "none of them says in EXIF when it was taken";

@@ -59,14 +59,16 @@ std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view s
   return time;
 }
 
-StillTimes times_of(std::span<const std::optional<ExifTime>> stills) {
+StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<const std::string> files) {
   StillTimes result;
   const auto has_time = [](const auto& still) { return still.has_value(); };
   const auto with_time = std::ranges::count_if(stills, has_time);
   if (with_time == 0) return result;
   if (static_cast<std::size_t>(with_time) < stills.size()) {
+    const auto without = std::ranges::find_if_not(stills, has_time) - stills.begin();
     result.trouble =
-        fmt::format("EXIF of {} of the {} stills says when they were taken", with_time, stills.size());
+        fmt::format("EXIF of {} of the {} stills says when they were taken, that of '{}' does not", with_time,
+                    stills.size(), files[static_cast<std::size_t>(without)]);
     return result;
   }
   const bool zoned =
@@ -78,9 +80,9 @@ StillTimes times_of(std::span<const std::optional<ExifTime>> stills) {
     if (apart >= kFewestTicks * tick) continue;
     result.trouble =
         apart < Duration::zero()
-            ? fmt::format("still {} was taken before still {} by EXIF", i, i - 1)
-            : fmt::format("EXIF has times in steps of {:g} s, and stills {} and {} are {:g} s apart by it",
-                          to_seconds(tick), i - 1, i, to_seconds(apart));
+            ? fmt::format("'{}' was taken before '{}' by EXIF", files[i], files[i - 1])
+            : fmt::format("EXIF has times in steps of {:g} s, and '{}' and '{}' are {:g} s apart by it",
+                          to_seconds(tick), files[i - 1], files[i], to_seconds(apart));
     return result;
   }
   for (const auto& still : stills) result.since_first.push_back(Instant{at(*still) - at(*stills.front())});

@@ -30,7 +30,8 @@ struct StillTimes {
   std::string trouble;
 };
 // Usable: every still has one, they increase, and none is closer to the next than four ticks, so that
-// rounding moves no interval by more than a quarter. Zones count where every still states its own.
-StillTimes times_of(std::span<const std::optional<ExifTime>> stills);
+// rounding moves no interval by more than a quarter. Zones count where every still states its own. files: of
+// each still, to name it.
+StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<const std::string> files);
 
 }  // namespace hdrcam

@@ -80,7 +80,8 @@ TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and t
   REQUIRE(import_verb(folder + " -o " + out).ok());
   const std::vector<double> times = times_in(out);
   for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(static_cast<double>(i) / 30).margin(1e-8));
-  CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
+  CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s") &&
+                                 Contains("IMG_0.JPG' and '" + folder + "/IMG_1.JPG' are 0 s apart"));
 }
 
 TEST_CASE("a raw stream of H.264, which has no times, comes at its frame rate or at the one named") {

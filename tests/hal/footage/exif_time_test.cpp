@@ -15,6 +15,13 @@ std::vector<std::optional<ExifTime>> stills(const std::vector<std::array<const c
   return times;
 }
 
+// Of files a.jpg, b.jpg ..
+StillTimes times_of(const std::vector<std::optional<ExifTime>>& taken) {
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < taken.size(); ++i) files.push_back(std::string(1, "abcd"[i]) + ".jpg");
+  return hdrcam::times_of(taken, files);
+}
+
 }  // namespace
 
 TEST_CASE("a time of EXIF has the resolution of its digits, and its zone where it states one") {
@@ -68,12 +75,14 @@ TEST_CASE("times that are missing, run backward or are too coarse are not used, 
     std::vector<std::array<const char*, 3>> texts;
     const char* why;
   } cases[] = {
-      {{{"2026:03:01 12:00:00", "", ""}, {"", "", ""}, {"2026:03:01 12:00:10", "", ""}}, "2 of the 3"},
+      {{{"2026:03:01 12:00:00", "", ""}, {"", "", ""}, {"2026:03:01 12:00:10", "", ""}},
+       "2 of the 3 stills says when they were taken, that of 'b.jpg' does not"},
       {{{"2026:03:01 12:00:10", "", ""}, {"2026:03:01 12:00:20", "", ""}, {"2026:03:01 12:00:00", "", ""}},
-       "still 2 was taken before still 1"},
+       "'c.jpg' was taken before 'b.jpg' by EXIF"},
       {{{"2026:03:01 12:00:10", "", ""}, {"2026:03:01 12:00:13", "", ""}}, "steps of 1 s"},
       {{{"2026:03:01 12:00:10", "0", ""}, {"2026:03:01 12:00:10", "3", ""}}, "steps of 0.1 s"},
-      {{{"2026:03:01 12:00:10", "00", ""}, {"2026:03:01 12:00:10", "00", ""}}, "0 s apart"}};
+      {{{"2026:03:01 12:00:10", "00", ""}, {"2026:03:01 12:00:10", "00", ""}},
+       "'a.jpg' and 'b.jpg' are 0 s apart"}};
   for (const auto& [texts, why] : cases) {
     const StillTimes times = times_of(stills(texts));
     CHECK(times.since_first.empty());
