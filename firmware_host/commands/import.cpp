@@ -192,10 +192,14 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
   return files;
 }
 
-// The files that were named, or those in the one folder.
-Result<std::vector<std::string>> footage_files(Storage& storage, const std::vector<std::string>& named) {
-  if (named.size() == 1 && TRY(is_folder(storage, named.front()))) return clip_in(storage, named.front());
-  for (const std::string& file : named) {
+// With the files in the one folder that is named, or the files that are.
+Result<FootageRequest> with_files(Storage& storage, FootageRequest request) {
+  if (request.files.size() == 1 && TRY(is_folder(storage, request.files.front()))) {
+    request.files = TRY(clip_in(storage, request.files.front()));
+    request.order = FootageOrder::Numbers;
+    return request;
+  }
+  for (const std::string& file : request.files) {
     if (TRY(is_folder(storage, file)))
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
@@ -211,7 +215,7 @@ Result<std::vector<std::string>> footage_files(Storage& storage, const std::vect
                    fmt::format("'{}' is a recording already; use it as it is: hdrcam replay {}", file,
                                shell_word(file))};
   }
-  return named;
+  return request;
 }
 
 void warn_of_phase(const FootagePlan& plan) {
@@ -219,6 +223,13 @@ void warn_of_phase(const FootagePlan& plan) {
     remark(
         "warning: the pictures show as well that the cycle begins with another exposure; all exposures may "
         "be wrong by one factor, so import more frames\n");
+}
+
+// In which order the stills of a folder come, where it is not the one that their names suggest.
+void tell_order(const FootagePlan& plan) {
+  if (plan.goes_round)
+    remark("note: '{}' is the first frame, as EXIF says: the numbers of the files begin anew on the way\n",
+           plan.files.front());
 }
 
 // What the files state for display and nothing applies.
@@ -252,14 +263,14 @@ Result<void> admit_footage(Storage& storage, const FootageRequest& request, cons
 }
 
 Result<void> import_footage(Surroundings& around, const ImportOptions& options, const Settings& settings) {
-  FootageRequest footage = options.footage;
-  footage.files = TRY(footage_files(around.storage, footage.files));
+  const FootageRequest footage = TRY(with_files(around.storage, options.footage));
   if (!options.list) {
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
     TRY(admit_footage(around.storage, footage, settings));
   }
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
+  tell_order(plan);
   tell_unapplied(plan);
   if (options.list) {
     say("{}", described(plan));

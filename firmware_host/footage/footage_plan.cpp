@@ -127,13 +127,28 @@ class PlannedFootage : public RecordingReader {
   std::size_t next_ = 0;
 };
 
+// Looks at all frames, in the order in which they are to be read. Whether it is another than that of the
+// request shows at the end of the first look.
+Result<FootageScan> scan_in_order(Storage& storage, const FootageRequest& request,
+                                  const std::atomic<bool>& stop, FootagePlan& plan) {
+  plan.files = request.files;
+  auto footage = TRY(open_footage(storage, plan.files, request.framerate_hz));
+  FootageScan seen = TRY(scan_footage(*footage, stop));
+  const std::size_t first = first_taken(seen.taken);
+  plan.goes_round =
+      request.order == FootageOrder::Numbers && first > 0 && seen.taken.size() == plan.files.size();
+  if (!plan.goes_round) return seen;
+  std::ranges::rotate(plan.files, plan.files.begin() + static_cast<std::ptrdiff_t>(first));
+  footage = TRY(open_footage(storage, plan.files, request.framerate_hz));
+  return scan_footage(*footage, stop);
+}
+
 }  // namespace
 
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
                                  const std::atomic<bool>& stop) {
-  const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
-  FootageScan seen = TRY(scan_footage(*footage, stop));
   FootagePlan plan;
+  FootageScan seen = TRY(scan_in_order(storage, request, stop, plan));
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   plan.times = TRY(take_times(seen, request.framerate_hz));
   plan.camera = seen.camera, plan.about = seen.about, plan.primaries = seen.primaries;
@@ -178,7 +193,7 @@ FootagePlan plan_of_clip(CameraFacts camera, std::vector<FrameFacts> facts) {
 
 Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
                                                       const FootagePlan& plan) {
-  auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
+  auto footage = TRY(open_footage(storage, plan.files, request.framerate_hz));
   return std::unique_ptr<RecordingReader>(std::make_unique<PlannedFootage>(std::move(footage), plan));
 }
 

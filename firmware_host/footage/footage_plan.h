@@ -18,8 +18,16 @@ namespace hdrcam {
 
 inline constexpr const char* kAutoShutter = "auto";
 
+// In which order the files are read.
+enum class FootageOrder {
+  Given,
+  // Of a folder: that of their numbers, but from the first on by EXIF where a camera's counter began anew.
+  Numbers,
+};
+
 struct FootageRequest {
   std::vector<std::string> files;
+  FootageOrder order = FootageOrder::Given;
   std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures
   // Of stills; 0: as EXIF says when they were taken, or 30. And of a video without times, or whose times do
   // not increase; 0: the rate that it states.
@@ -33,6 +41,8 @@ enum class ExposureOrigin {
 };
 
 struct FootagePlan {
+  std::vector<std::string> files;  // in the order in which they are read
+  bool goes_round = false;         // their numbers begin anew on the way
   CameraFacts camera;
   std::string about;      // "h264, yuv420p"
   bool turned = false;    // for display, as the first file states; not applied

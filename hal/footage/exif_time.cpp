@@ -36,6 +36,17 @@ std::optional<Duration> offset_of(std::string_view text) {
   return text[0] == '-' ? -offset : offset;
 }
 
+// When each still was taken by one clock, whatever its zone.
+std::vector<Duration> on_one_clock(std::span<const std::optional<ExifTime>> stills) {
+  const bool zoned =
+      std::ranges::all_of(stills, [](const auto& still) { return still->from_utc.has_value(); });
+  std::vector<Duration> at;
+  for (const auto& still : stills) at.push_back(zoned ? still->local - *still->from_utc : still->local);
+  return at;
+}
+
+bool has_time(const std::optional<ExifTime>& still) { return still.has_value(); }
+
 }  // namespace
 
 std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view sub_second,
@@ -59,9 +70,16 @@ std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view s
   return time;
 }
 
+std::size_t first_taken(std::span<const std::optional<ExifTime>> stills) {
+  if (stills.empty() || !std::ranges::all_of(stills, has_time)) return 0;
+  const std::vector<Duration> at = on_one_clock(stills);
+  const auto earlier = std::is_sorted_until(at.begin(), at.end());
+  const bool goes_round = earlier != at.end() && std::is_sorted(earlier, at.end()) && at.back() <= at.front();
+  return goes_round ? static_cast<std::size_t>(earlier - at.begin()) : 0;
+}
+
 StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<const std::string> files) {
   StillTimes result;
-  const auto has_time = [](const auto& still) { return still.has_value(); };
   const auto with_time = std::ranges::count_if(stills, has_time);
   if (with_time == 0) return result;
   if (static_cast<std::size_t>(with_time) < stills.size()) {
@@ -71,12 +89,9 @@ StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<c
                     stills.size(), files[static_cast<std::size_t>(without)]);
     return result;
   }
-  const bool zoned =
-      std::ranges::all_of(stills, [](const auto& still) { return still->from_utc.has_value(); });
-  const auto at = [&](const ExifTime& time) { return zoned ? time.local - *time.from_utc : time.local; };
+  const std::vector<Duration> at = on_one_clock(stills);
   for (std::size_t i = 1; i < stills.size(); ++i) {
-    const Duration apart = at(*stills[i]) - at(*stills[i - 1]),
-                   tick = std::max(stills[i]->tick, stills[i - 1]->tick);
+    const Duration apart = at[i] - at[i - 1], tick = std::max(stills[i]->tick, stills[i - 1]->tick);
     if (apart >= kFewestTicks * tick) continue;
     result.trouble =
         apart < Duration::zero()
@@ -85,7 +100,7 @@ StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<c
                           to_seconds(tick), files[i - 1], files[i], to_seconds(apart));
     return result;
   }
-  for (const auto& still : stills) result.since_first.push_back(Instant{at(*still) - at(*stills.front())});
+  for (const Duration time : at) result.since_first.push_back(Instant{time - at.front()});
   return result;
 }
 

@@ -2,6 +2,7 @@
 // OffsetTimeOriginal), and whether that is good enough to be the times of a clip. Plain values; reentrant.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,11 @@ struct ExifTime {
 // the blanks and zeros of a camera without a clock.
 std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view sub_second,
                                   std::string_view offset);
+
+// Where stills that go round begin, as those of a camera whose counter began anew: the still from which on
+// their times do not decrease, with the first ones behind the last. 0 where they are in order, where no such
+// place puts them in order, and where not all state their time.
+std::size_t first_taken(std::span<const std::optional<ExifTime>> stills);
 
 // The times of stills in their order: from the first one on, empty where they cannot be used, and then why,
 // as a clause; no clause where no still has any.

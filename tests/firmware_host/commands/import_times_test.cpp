@@ -4,6 +4,7 @@
 
 #include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "tests/support/ran.h"
 
 #include "tests/firmware_host/commands/footage_imports.h"
 
@@ -70,6 +71,30 @@ TEST_CASE("stills come at the times that EXIF states, brackets close together an
   REQUIRE(import_verb(folder + " --framerate 10 --force -o " + out).ok());
   const std::vector<double> named = times_in(out);
   for (std::size_t i = 0; i < 9; ++i) CHECK(named[i] == Approx(0.1 * static_cast<double>(i)).margin(1e-9));
+}
+
+TEST_CASE("stills of a folder whose numbers begin anew come in the order in which they were taken") {
+  const std::string t = "2026:11:22 17:00:";
+  const std::vector<std::string> seconds{t + "08", t + "08", t + "08", t + "12", t + "00",
+                                         t + "00", t + "04", t + "04", t + "04"};
+  const std::string folder =
+      write_bracket("import_round", seconds, {"00", "25", "50", "00", "00", "25", "00", "25", "50"});
+  const std::string out = sample::scratch_folder("import_round_out") + "/x.mkv";
+  const test::Ran imported = test::ran({"import", folder, "-o", out});
+  CHECK(imported.exit_code == 0);
+  CHECK_THAT(imported.output, Contains("note: '" + folder + "/IMG_4.JPG' is the first frame, as EXIF says"));
+  const std::vector<double> expected{0, .25, 4, 4.25, 4.5, 8, 8.25, 8.5, 12};
+  const std::vector<double> times = times_in(out);
+  REQUIRE(times.size() == 9);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(expected[i]).margin(1e-9));
+  const auto replayed = sample::replay(posix_storage(), out);
+  CHECK(replayed.frames.at(0).facts.exposure_s == Approx(test::scene().exposures_s[4 % 3]));
+
+  // Files that are named come as they are named.
+  std::string named = folder + "/IMG_0.JPG";
+  for (int i = 1; i < 9; ++i) named += fmt::format(" {}/IMG_{}.JPG", folder, i);
+  REQUIRE(import_verb(named + " --force -o " + out).ok());
+  CHECK(times_in(out)[1] == Approx(1. / 30).margin(1e-8));
 }
 
 TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and the list says why") {

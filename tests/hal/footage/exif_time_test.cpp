@@ -69,6 +69,18 @@ TEST_CASE("a clock that is set to another zone on the way goes on, where every s
   CHECK(unknown.since_first == std::vector<Instant>{{0s}, {10s}});
 }
 
+TEST_CASE("stills whose counter began anew begin with the one that was taken first") {
+  using Texts = std::vector<std::array<const char*, 3>>;
+  const std::array<const char*, 3> noon{"2026:03:01 12:00:00", "", ""}, later{"2026:03:01 12:00:09", "", ""},
+      evening{"2026:03:01 18:00:00", "", ""}, none{"", "", ""};
+  CHECK(first_taken(stills({later, evening, noon, noon})) == 2);
+  CHECK(first_taken(stills({later, later, noon, later})) == 2);
+  for (const Texts& others :
+       {Texts{}, Texts{noon}, Texts{noon, noon, later, evening}, Texts{later, noon, evening},
+        Texts{later, noon, later, noon}, Texts{later, evening, none, noon}})
+    CHECK(first_taken(stills(others)) == 0);
+}
+
 TEST_CASE("times that are missing, run backward or are too coarse are not used, and it is said why") {
   CHECK(times_of(stills({{"", "", ""}, {"", "", ""}})).trouble.empty());
   const struct {
