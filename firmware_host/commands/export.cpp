@@ -97,7 +97,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   const bool with_poses = options.transforms || options.colmap;
   if (with_poses) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
-  TRY(admit_copy(settings, reader->camera()));
+  TRY(admit_copy(settings, reader->camera(), {CopyKind::Export}));
   TRY(check_files(around.storage, options));
   const EarlierFrames earlier(around.storage, options.pictures());
   auto clip =

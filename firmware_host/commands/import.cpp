@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "capture/recorded_labels.h"
 #include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
@@ -96,7 +97,6 @@ void show_warnings(const RecordingStage& clip, const LowCodes& low) {
 // is complete.
 Result<void> write_recording(Surroundings& around, const ImportOptions& options, const Settings& settings,
                              std::unique_ptr<RecordingReader> reader) {
-  TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), contradiction_of(options));
   LowCodes low(clip.camera());
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
@@ -131,6 +131,11 @@ Result<void> list_clip(Surroundings& around, const ImportOptions& options, Image
   return {};
 }
 
+// Of so many frames, those that are judged together.
+int most_waiting(std::size_t frames) {
+  return static_cast<int>(std::min<std::size_t>(RecordedLabels::kBeginning, frames));
+}
+
 Result<void> import_clip(Surroundings& around, const ImportOptions& options, const Settings& settings) {
   const std::string& path = options.footage.files.front();
   auto clip = TRY(ImageSequence::open(around.storage, path,
@@ -138,6 +143,9 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options, con
   if (options.list) return list_clip(around, options, std::move(clip));
   TRY(options.kept.check(around.storage, files_of(clip),
                          {{"--output", options.output, OutputKind::Recording}}));
+  TRY(admit_copy(
+      settings, clip.camera(),
+      {CopyKind::Stills, most_waiting(static_cast<std::size_t>(clip.frame_count())), settings.record.codec}));
   return write_recording(around, options, settings, reader_of(std::move(clip)));
 }
 
@@ -259,7 +267,12 @@ Result<void> tell_losses(const FootagePlan& plan) {
 // Whether there is memory for it, before all of it is read: the first picture tells.
 Result<void> admit_footage(Storage& storage, const FootageRequest& request, const Settings& settings) {
   const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
-  return admit_copy(settings, footage->camera());
+  const auto is_video = [](const std::string& file) { return is_footage(file) && !is_still(file); };
+  const bool stills = footage->still() && std::ranges::none_of(request.files, is_video);
+  return admit_copy(
+      settings, footage->camera(),
+      {stills ? CopyKind::Stills : CopyKind::Video,
+       stills ? most_waiting(request.files.size()) : RecordedLabels::kBeginning, settings.record.codec});
 }
 
 Result<void> import_footage(Surroundings& around, const ImportOptions& options, const Settings& settings) {

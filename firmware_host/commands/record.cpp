@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "capture/recorded_labels.h"
 #include "firmware_host/commands/camera_run.h"
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/with_settings.h"
@@ -28,7 +29,8 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 Result<void> record_again(const RecordFlags& flags, const Settings& settings, Trace* trace,
                           Surroundings& around) {
   const auto source = TRY(open_replayed(settings, flags.limits, Contradiction::Warns, around));
-  TRY(admit_copy(settings, source->camera()));
+  TRY(admit_copy(settings, source->camera(),
+                 {.waiting = RecordedLabels::kBeginning, .codec = settings.record.codec}));
   Result<void> failed;
   for (;;) {
     const TraceSpan span(trace, "record");

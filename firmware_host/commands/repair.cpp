@@ -53,7 +53,7 @@ Result<void> repair(const RepairOptions& options, const Settings& settings, Surr
   TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
                          {{"--output", options.output, OutputKind::Recording}}));
   const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));
-  TRY(admit_copy(settings, reader->camera()));
+  TRY(admit_copy(settings, reader->camera(), {.codec = reader->codec()}));
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const Saved saved = TRY(making.as_asked(copy_whole_frames(around, *reader, making.path())));
   if (saved.frames == 0) return no_whole_frame(options.recording);

@@ -23,6 +23,28 @@ constexpr std::uint64_t kWrittenFrame = 20;  // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
 constexpr std::uint64_t kCodec = 24;  // packets and pictures of a recording's codec
 
+// Of a copy, bytes for each pixel: fixed ones, and for each byte of a pixel in memory and in a file.
+struct CopyNeed {
+  double fixed, of_memory, of_file;
+};
+CopyNeed need_of(CopyKind kind) {
+  switch (kind) {
+    case CopyKind::Stills:
+      return {14, 4, 3.5};
+    case CopyKind::Video:  // with pictures to which others refer
+      return {34, 4, 3.5};
+    case CopyKind::Recording:
+      return {10, 0, 12};
+    case CopyKind::Export:
+      return {4, 1.5, 8.5};
+  }
+  return {};
+}
+constexpr double kFfv1Packet = 37 * 4;  // that FFmpeg's encoder asks for, whatever comes of it
+constexpr double kWhileJudged = 16;     // what reads frames while nothing is written yet
+// Of frames that waited and are gone the allocator keeps a share, and of small ones more than of large ones.
+constexpr double kKeptShare = 0.6, kMostKept_bytes = 24e6;
+
 }  // namespace
 
 std::uint64_t recording_bytes(const CameraFacts& camera) {
@@ -77,9 +99,22 @@ Result<void> admit_parts(const Settings& settings, const std::string& what, std:
   return memory_limit(settings).admit(what, kProgramBytes + bytes);
 }
 
-Result<void> admit_copy(const Settings& settings, const CameraFacts& camera) {
+// Codes that fit into bytes are kept so once they are judged (capture/recording_stage.h).
+std::uint64_t copy_bytes(const CameraFacts& camera, const FrameCopy& copy) {
+  const double in_memory = static_cast<double>(sizeof(std::uint16_t)) * channels(camera.layout);
+  const double in_file = camera.bits <= 8 ? in_memory / 2 : in_memory;
+  const CopyNeed need = need_of(copy.kind);
+  const double writing = need.fixed + need.of_memory * in_memory + need.of_file * in_file +
+                         copy.waiting * in_file + (copy.codec == RecordingCodec::Ffv1 ? kFfv1Packet : 0);
+  const double waiting = copy.waiting * in_memory;
+  const auto pixels = static_cast<double>(pixel_count(camera.height, camera.width));
+  return static_cast<std::uint64_t>(pixels * std::max(writing, kWhileJudged + waiting) +
+                                    std::min(kMostKept_bytes, kKeptShare * pixels * waiting));
+}
+
+Result<void> admit_copy(const Settings& settings, const CameraFacts& camera, const FrameCopy& copy) {
   return admit_parts(settings, fmt::format("a copy of frames of {}x{}", camera.width, camera.height),
-                     2 * recording_bytes(camera));
+                     copy_bytes(camera, copy));
 }
 
 MemoryLimit memory_limit(const Settings& settings) {

@@ -8,6 +8,7 @@
 #include "firmware_host/settings/settings.h"
 #include "hal/core/frame.h"
 #include "hal/core/memory_limit.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 
@@ -31,8 +32,17 @@ std::uint64_t simulator_bytes(int width, int height);
 
 // Whether a run of these parts may begin. what: as MemoryLimit::admit takes it.
 Result<void> admit_parts(const Settings& settings, const std::string& what, std::uint64_t bytes);
-// Whether frames of this camera may be read and written one by one.
-Result<void> admit_copy(const Settings& settings, const CameraFacts& camera);
+// Frames that are read and written one by one.
+enum class CopyKind { Stills, Video, Recording, Export };  // what is read; Export: a recording into pictures
+struct FrameCopy {
+  CopyKind kind = CopyKind::Recording;
+  int waiting = 0;  // frames, at most, that are judged together before the first is written
+  RecordingCodec codec = RecordingCodec::Huffyuv;  // that writes
+};
+// Measured on noise, which no codec makes smaller: what compresses well takes down to half.
+std::uint64_t copy_bytes(const CameraFacts& camera, const FrameCopy& copy);
+// Whether frames of this camera may be copied.
+Result<void> admit_copy(const Settings& settings, const CameraFacts& camera, const FrameCopy& copy);
 
 // As the settings say, or a share of the machine.
 MemoryLimit memory_limit(const Settings& settings);

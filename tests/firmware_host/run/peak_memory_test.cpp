@@ -3,11 +3,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "capture/recorded_labels.h"
 #include "firmware_host/run/memory_need.h"
+#include "hal/recording/png_image.h"
 #include "tests/allocations.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/not_tested.h"
@@ -113,7 +116,47 @@ void check_taken(int width, int height, int frames, EmitLayer emit, std::vector<
   }
 }
 
+// Stills of noise, which no codec makes smaller. Returns their folder.
+std::string noisy_stills(int count, const CameraFacts& camera) {
+  const std::string folder = sample::scratch_folder("peak_memory_stills");
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> code(0, (1 << camera.bits) - 1);
+  PngImage still{camera.bits, Image<std::uint16_t>(3, camera.height, camera.width)};
+  for (int i = 0; i < count; ++i) {
+    for (std::uint16_t& sample : still.samples.samples()) sample = static_cast<std::uint16_t>(code(random));
+    const std::vector<std::byte> file = png_file(still, PngEase::Fast).value();
+    REQUIRE(write_whole(posix_storage(), fmt::format("{}/{}.png", folder, i), file).ok());
+  }
+  return folder;
+}
+
+void check_copy(const std::vector<std::string>& words, const CameraFacts& camera, const FrameCopy& copy) {
+  const std::uint64_t peak = peak_bytes(words), estimated = kProgramBytes + copy_bytes(camera, copy);
+  CAPTURE(words.front(), camera.bits, copy.waiting, peak / kMegabyte, estimated / kMegabyte);
+  CHECK(peak <= estimated);
+  CHECK(2 * estimated <= 3 * peak);
+}
+
 }  // namespace
+
+TEST_CASE("a copy takes no more memory than was estimated, and that was no more than it needs", "[memory]") {
+  if (!allocations_are_counted()) {
+    NOT_TESTED("a sanitizer takes memory of its own: no test bounds a peak in this build");
+    return;
+  }
+  CameraFacts camera = camera_of(1200, 800);
+  const std::string out = sample::scratch_folder("peak_memory_copy"), clip = out + "/x.mkv";
+  const auto check_import = [&](int stills, const FrameCopy& copy) {
+    check_copy({"import", noisy_stills(stills, camera), "--shutter", "4ms", "--force", "-o", clip}, camera,
+               copy);
+  };
+  check_import(13, {CopyKind::Stills, RecordedLabels::kBeginning});  // of 8 bits
+  camera.bits = 16;
+  check_import(13, {CopyKind::Stills, RecordedLabels::kBeginning});
+  check_import(2, {CopyKind::Stills, 2});
+  check_copy({"repair", clip, "-o", out + "/y.mkv"}, camera, {CopyKind::Recording});
+  check_copy({"export", clip, "-o", out + "/frames"}, camera, {CopyKind::Export});
+}
 
 TEST_CASE("frames that wait for the disk are estimated as far as there are any, whatever is allowed them") {
   constexpr int kFewest = 12, kMost = 4096;
