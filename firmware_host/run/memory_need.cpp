@@ -21,7 +21,8 @@ constexpr std::uint64_t kBesideField = 40;   // its priors, and its view of unse
 constexpr std::uint64_t kQueuedFrame = 66;   // of a sink's copy of an HDR frame with all its layers
 constexpr std::uint64_t kWrittenFrame = 20;  // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
-constexpr std::uint64_t kCodec = 24;  // packets and pictures of a recording's codec
+constexpr std::uint64_t kCodec = 24;           // packets and pictures of a recording's codec
+constexpr std::uint64_t kFfv1Packet = 37 * 4;  // that FFmpeg's encoder asks for, whatever comes of it
 
 // Of a copy, bytes for each pixel: fixed ones, and for each byte of a pixel in memory and in a file.
 struct CopyNeed {
@@ -40,10 +41,12 @@ CopyNeed need_of(CopyKind kind) {
   }
   return {};
 }
-constexpr double kFfv1Packet = 37 * 4;  // that FFmpeg's encoder asks for, whatever comes of it
-constexpr double kWhileJudged = 16;     // what reads frames while nothing is written yet
+constexpr double kWhileJudged = 16;  // what reads frames while nothing is written yet
 // Of frames that waited and are gone the allocator keeps a share, and of small ones more than of large ones.
 constexpr double kKeptShare = 0.6, kMostKept_bytes = 24e6;
+
+// What kCodec leaves out of writing.
+std::uint64_t packet_of(RecordingCodec codec) { return codec == RecordingCodec::Ffv1 ? kFfv1Packet : 0; }
 
 }  // namespace
 
@@ -90,7 +93,7 @@ std::uint64_t capture_bytes(int width, int height, const Settings& settings, int
                                            frame * static_cast<std::uint64_t>(fewest_waiting),
                                            frame * static_cast<std::uint64_t>(most_waiting));
   return waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
-         kCodec * pixel_count(height, width);
+         (kCodec + packet_of(settings.record.codec)) * pixel_count(height, width);
 }
 
 std::uint64_t simulator_bytes(int width, int height) { return kSimulator * pixel_count(height, width); }
@@ -105,7 +108,7 @@ std::uint64_t copy_bytes(const CameraFacts& camera, const FrameCopy& copy) {
   const double in_file = camera.bits <= 8 ? in_memory / 2 : in_memory;
   const CopyNeed need = need_of(copy.kind);
   const double writing = need.fixed + need.of_memory * in_memory + need.of_file * in_file +
-                         copy.waiting * in_file + (copy.codec == RecordingCodec::Ffv1 ? kFfv1Packet : 0);
+                         copy.waiting * in_file + static_cast<double>(packet_of(copy.codec));
   const double waiting = copy.waiting * in_memory;
   const auto pixels = static_cast<double>(pixel_count(camera.height, camera.width));
   return static_cast<std::uint64_t>(pixels * std::max(writing, kWhileJudged + waiting) +

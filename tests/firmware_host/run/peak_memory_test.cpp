@@ -158,6 +158,14 @@ TEST_CASE("a copy takes no more memory than was estimated, and that was no more 
   check_copy({"export", clip, "-o", out + "/frames"}, camera, {CopyKind::Export});
 }
 
+TEST_CASE(
+    "the packet of FFV1, which FFmpeg asks for whatever comes of it, is estimated with a camera's frames") {
+  Settings settings;
+  const std::uint64_t usual = capture_bytes(64, 48, settings, 1, 1);
+  settings.record.codec = RecordingCodec::Ffv1;
+  CHECK(capture_bytes(64, 48, settings, 1, 1) - usual == std::uint64_t{148} * 64 * 48);
+}
+
 TEST_CASE("frames that wait for the disk are estimated as far as there are any, whatever is allowed them") {
   constexpr int kFewest = 12, kMost = 4096;
   const auto needed = [](int width, int height, int memory_mib) {
