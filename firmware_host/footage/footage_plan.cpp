@@ -135,8 +135,10 @@ Result<FootageScan> scan_in_order(Storage& storage, const FootageRequest& reques
   auto footage = TRY(open_footage(storage, plan.files, request.framerate_hz));
   FootageScan seen = TRY(scan_footage(*footage, stop));
   const std::size_t first = first_taken(seen.taken);
-  plan.goes_round =
-      request.order == FootageOrder::Numbers && first > 0 && seen.taken.size() == plan.files.size();
+  // Between neighbours the clock was set back, as at the end of summer time, and not the counter.
+  plan.goes_round = request.order == FootageOrder::Numbers && first > 0 &&
+                    seen.taken.size() == plan.files.size() &&
+                    !is_next_number(plan.files[first - 1], plan.files[first]);
   if (!plan.goes_round) return seen;
   std::ranges::rotate(plan.files, plan.files.begin() + static_cast<std::ptrdiff_t>(first));
   footage = TRY(open_footage(storage, plan.files, request.framerate_hz));

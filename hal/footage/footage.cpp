@@ -11,6 +11,7 @@
 
 #include "hal/core/file_extension.h"
 #include "hal/core/folder_listing.h"
+#include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
 #include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
@@ -239,6 +240,24 @@ class FootageFiles : public FootageReader {
 };
 
 }  // namespace
+
+bool is_next_number(const std::string& file, const std::string& next) {
+  constexpr const char* kDigits = "0123456789";
+  struct Numbered {
+    std::string text;  // the path without the number and the extension
+    std::optional<std::uint64_t> number;
+  };
+  const auto numbered = [](const fs::path& path) -> Numbered {
+    const std::string name = (path.parent_path() / path.stem()).string();
+    const std::size_t end = name.find_last_of(kDigits) + 1;
+    if (end == 0) return {};
+    const std::size_t begin = name.find_last_not_of(kDigits, end - 1) + 1;
+    return {std::string(name).erase(begin, end - begin),
+            parse_number<std::uint64_t>(name.substr(begin, end - begin))};
+  };
+  const Numbered a = numbered(file), b = numbered(next);
+  return a.number && b.number && a.text == b.text && *a.number + 1 == *b.number;
+}
 
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz) {

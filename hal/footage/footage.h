@@ -52,6 +52,9 @@ class FootageReader {
   virtual const std::vector<FootageLosses>& losses() const = 0;
 };
 
+// Whether two files have neighbouring numbers and names that are alike else: IMG_0009.JPG, IMG_0010.JPG.
+bool is_next_number(const std::string& file, const std::string& next);
+
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
 // it; 0: 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
 // also for pictures that no recording can hold; SizeChanged.

@@ -437,6 +437,21 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   CHECK_THAT(sample::error_of(footage_in(empty)).message, Contains(empty) && Contains("name files of other"));
 }
 
+TEST_CASE("neighbouring numbers are those of files whose names are alike else") {
+  CHECK(is_next_number("card/IMG_0009.JPG", "card/IMG_0010.JPG"));
+  CHECK(is_next_number("IMG_9.CR2", "IMG_10.CR2"));
+  for (const auto& [file, next] : {std::pair("IMG_0003.JPG", "IMG_9998.JPG"),
+                                   {"IMG_0010.JPG", "IMG_0009.JPG"},
+                                   {"IMG_0009.JPG", "DSC_0010.JPG"},
+                                   {"IMG_0009.JPG", "IMG_0010_small.JPG"},
+                                   {"100/IMG_0009.JPG", "101/IMG_0010.JPG"},
+                                   {"a.mp3", "a.mp4"},
+                                   {"IMG_99999999999999999999.JPG", "IMG_100000000000000000000.JPG"}}) {
+    CAPTURE(file, next);
+    CHECK_FALSE(is_next_number(file, next));
+  }
+}
+
 TEST_CASE("links in a folder are footage where their files are there, and found where they are not") {
   const std::string folder = sample::scratch_folder("footage_links"),
                     card = sample::scratch_folder("footage_links_card");
