@@ -108,6 +108,14 @@ bool CaptureStage::nobody_states_exposures() const {
   return !how.delays && !camera_.capabilities().reports_exposure && how.trigger != TriggerMode::PulseWidth;
 }
 
+// Until the first frame of another cycle: the requests before it come first, then its controls take their
+// time.
+int CaptureStage::latency_frames() const {
+  const ControlDelays usual{kUsualDelay, kUsualDelay};
+  const ControlDelays delays = matching().delays.value_or(usual);
+  return options_.buffers + std::max(delays.exposure, delays.gain);
+}
+
 std::string CaptureStage::exposures_account() const {
   const bool none_known = counters_.emitted > 0 && counters_.unknown == counters_.emitted;
   if (!none_known || !nobody_states_exposures() || !all_same(schedule_.cycle())) return "";
@@ -144,7 +152,7 @@ void CaptureStage::restart_matching() {
   proof_.forget();
   proof_.set_cycle(schedule_.cycle());
   if (const auto limits = exposure_limits(); limits && options_.adapt == Adapt::Light)
-    adaptation_.emplace(*limits);
+    adaptation_.emplace(*limits, latency_frames());
   lost_since_emitted_ = 0;
   last_emitted_.reset();
   drops_.end();

@@ -92,6 +92,7 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   bool nobody_states_exposures() const;
+  int latency_frames() const;
   Duration longest_exposure() const;
   void collect_warnings();
   void restart_matching();

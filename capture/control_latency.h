@@ -7,6 +7,8 @@ namespace hdrcam {
 
 // The longest delay of a control, frames: sensors need 1..3; a driver with an internal queue adds its depth.
 inline constexpr int kMaxDelay = 15;
+// Of most sensors, where nobody states it.
+inline constexpr int kUsualDelay = 3;
 // The most queued capture requests (--buffers).
 inline constexpr int kMostBuffers = 32;
 

@@ -10,8 +10,9 @@ constexpr double kRounding = 1e-6;  // of an exposure's logarithm
 
 }  // namespace
 
-ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
+ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits, int latency_frames)
     : limits_(limits),
+      latency_frames_(latency_frames),
       slots_(static_cast<int>(limits.cycle.size())),
       ends_(ends_of(limits.cycle)),
       cycle_(limits.cycle) {}
@@ -56,7 +57,7 @@ std::optional<ExposureSchedule::Cycle> ExposureAdaptation::next(const ExposureAd
 
 void ExposureAdaptation::runs(std::span<const Exposure> cycle) {
   cycle_ = ExposureSchedule::Cycle(cycle);
-  waiting_ = kSettling * slots_, unknown_ = 0;
+  waiting_ = std::max(kSettling * slots_, latency_frames_), unknown_ = 0;
   sums_ = {}, counts_ = {};
 }
 

@@ -17,7 +17,8 @@ namespace hdrcam {
 
 class ExposureAdaptation {
  public:
-  explicit ExposureAdaptation(const ExposureLimits& limits);
+  // latency_frames: until the first frame of a cycle that was asked for comes, as far as that is known.
+  ExposureAdaptation(const ExposureLimits& limits, int latency_frames);
 
   // The slots of the exposures that decide.
   const CycleEnds& ends() const { return ends_; }
@@ -29,14 +30,14 @@ class ExposureAdaptation {
 
  private:
   static constexpr int kCycles = 4;    // averaged before it proposes a change
-  static constexpr int kSettling = 5;  // queued cycles when the schedule changes
+  static constexpr int kSettling = 5;  // cycles that it waits at least after a change
   static constexpr int kUnknownCycles = 8;
 
   std::optional<ExposureSchedule::Cycle> observe_unknown(const SlotShares& shares);
   std::optional<ExposureSchedule::Cycle> next(const ExposureAdvice& advice) const;
 
   const ExposureLimits limits_;
-  const int slots_;
+  const int latency_frames_, slots_;
   const CycleEnds ends_;
   ExposureSchedule::Cycle cycle_;  // that the camera is asked for
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};

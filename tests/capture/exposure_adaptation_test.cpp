@@ -6,6 +6,7 @@
 
 #include "capture/capture_stage.h"
 #include "tests/capture/misbehaving_camera.h"
+#include "tests/contracts/expect.h"
 
 namespace hdrcam {
 namespace {
@@ -19,6 +20,7 @@ const ExposureLimits kLimits{.cycle = {std::begin(kCycle), std::end(kCycle)},
                              .longest = 30ms,
                              .least_gain = 1,
                              .greatest_gain = 8};
+constexpr int kLatency_frames = 8;
 
 std::unique_ptr<CaptureStage> started(Camera& sensor, std::span<const Exposure> cycle, Adapt adapt) {
   CaptureOptions options;
@@ -149,7 +151,7 @@ TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays
   CHECK(still.shortest == 1ms);
   CHECK(still.counters.cycle_changes == 0);
 
-  ExposureAdaptation adaptation(kLimits);
+  ExposureAdaptation adaptation(kLimits, kLatency_frames);
   for (int i = 0; i < 300; ++i)
     REQUIRE_FALSE(adaptation.observe(i % 3, {i % 3 == 0 ? 0.005f : 0.2f, i % 3 == 2 ? 0.02f : 0.3f}));
 }
@@ -159,21 +161,21 @@ TEST_CASE(
     "[capture]") {
   ExposureLimits limits = kLimits;
   limits.cycle = {{28ms, 1}, {30ms, 1}};
-  ExposureAdaptation near_ones(limits);
+  ExposureAdaptation near_ones(limits, kLatency_frames);
   std::optional<ExposureSchedule::Cycle> next;
   for (int i = 0; i < 20 && !next; ++i) next = near_ones.observe(i % 2, {0.5f, 0});
   REQUIRE(next.has_value());
   CHECK((*next)[0].time == 14ms);
 
   limits.cycle = {{4ms, 1}};
-  ExposureAdaptation single(limits);
+  ExposureAdaptation single(limits, kLatency_frames);
   for (int i = 0; i < 20; ++i) CHECK_FALSE(single.observe(0, {0.5f, 0}));
 }
 
 TEST_CASE("the darkest and the brightest frames move the cycle where nobody knows their exposures",
           "[capture]") {
   const auto asked = [](const SlotShares& most, const SlotShares& every_fifth) {
-    ExposureAdaptation adaptation(kLimits);
+    ExposureAdaptation adaptation(kLimits, kLatency_frames);
     std::optional<ExposureSchedule::Cycle> next;
     for (int i = 0; i < 60 && !next; ++i) next = adaptation.observe(-1, i % 5 == 0 ? every_fifth : most);
     return next;
@@ -189,12 +191,13 @@ TEST_CASE("the darkest and the brightest frames move the cycle where nobody know
   CHECK(((*lifted)[0].time > 1ms && (*lifted)[2].time == 16ms));
   CHECK_FALSE(asked(fair, {0.005f, 0.3f}));
 
-  ExposureAdaptation adaptation(kLimits);  // a frame of which it is known begins the count anew
+  ExposureAdaptation adaptation(kLimits,
+                                kLatency_frames);  // a frame of which it is known begins the count anew
   for (int i = 0; i < 200; ++i) REQUIRE_FALSE(adaptation.observe(i % 20 == 0 ? 1 : -1, black));
 }
 
 TEST_CASE("it waits until the new cycle is back before it judges again", "[capture]") {
-  ExposureAdaptation adaptation(kLimits);
+  ExposureAdaptation adaptation(kLimits, kLatency_frames);
   int frames = 0;
   const auto until_change = [&] {
     for (int begin = frames; frames < begin + 100; ++frames)
@@ -211,8 +214,42 @@ TEST_CASE("it waits until the new cycle is back before it judges again", "[captu
   CHECK(second[0].time < first[0].time);
 }
 
+TEST_CASE(
+    "frames of the cycle before, of no exposure of the new one, are waited for however many are queued") {
+  constexpr Exposure kTwo[] = {{1ms, 1}, {2ms, 1}};
+  test::MisbehavingCamera sensor({.kind = test::SensorKind::Gamma8,
+                                  .per_request = false,
+                                  .latency = 2,
+                                  .gain_latency = 2,
+                                  .reports = true,
+                                  .pan_px = 1,
+                                  .key = 100},
+                                 {});
+  CaptureOptions options;
+  options.adapt = Adapt::Light, options.buffers = 32, options.delays = ControlDelays{2, 2};
+  const auto running = value_of(CaptureStage::open(sensor, nullptr, kTwo, Mains::Off, options));
+  CaptureStage& stage = *running;
+  require_done(stage.start());
+  CapturedFrame frame;
+  for (int i = 0; i < 60 && stage.counters().cycle_changes == 0; ++i) require_done(stage.next(frame));
+  REQUIRE(stage.counters().cycle_changes == 1);
+  const ExposureSchedule second = stage.schedule();
+  for (int slot = 0; slot < 2; ++slot) REQUIRE(second.slot(slot).exposure.time < kTwo[slot].time);
+  const auto is_of_second = [&](double log_exposure) {
+    return std::abs(log_product(second.slot(0).exposure) - log_exposure) < 0.01 ||
+           std::abs(log_product(second.slot(1).exposure) - log_exposure) < 0.01;
+  };
+  int frames = 0;
+  do {
+    require_done(stage.next(frame));
+    REQUIRE(++frames < 60);
+  } while (!is_of_second(sensor.truth()));
+  CHECK(frames > 30);
+  CHECK(stage.counters().cycle_changes == 1);
+}
+
 TEST_CASE("frames of the cycle before say nothing of the one that follows darkness", "[capture]") {
-  ExposureAdaptation adaptation(kLimits);
+  ExposureAdaptation adaptation(kLimits, kLatency_frames);
   for (int i = 0; i < 9; ++i)
     REQUIRE_FALSE(adaptation.observe(i % 3, {0.5f, 0}));  // too few, then it is dark
   std::optional<ExposureSchedule::Cycle> next;
@@ -224,7 +261,7 @@ TEST_CASE("frames of the cycle before say nothing of the one that follows darkne
 }
 
 TEST_CASE("a cycle that the camera refuses is not taken for the one that runs", "[capture]") {
-  ExposureAdaptation adaptation(kLimits);
+  ExposureAdaptation adaptation(kLimits, kLatency_frames);
   std::vector<ExposureSchedule::Cycle> asked;
   for (int i = 0; i < 60; ++i)
     if (const auto cycle = adaptation.observe(i % 3, {0.5f, 0})) asked.push_back(*cycle);
