@@ -110,7 +110,8 @@ void ScenePixels::see(const FrameEstimate& estimate) {
 
 void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, std::size_t to) {
   constexpr float kUnknownStops = 2;  // above its bound a clipped pixel may be as much brighter
-  // of the contrast, as Fusion::warp_variance adds in the mean over fractions of a pixel
+  // Of the contrast. Fusion::warp_variance adds, in the mean over fractions of a pixel, .53 where the motion
+  // is along one axis (.3 + .7 / 3) and .77 where it is along both (.3 + .7 * 2 / 3).
   constexpr float kMisaligned = 0.5f * FusionOptions().misalignment * FusionOptions().misalignment;
   // Slips count so much: motion that is wrong alike in both steps does not change, and its surroundings slip
   // with it. With this weight cycles differ in the forecast as their pictures do (docs/decisions/camera.md).
