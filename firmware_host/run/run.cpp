@@ -132,7 +132,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
 Result<void> Run::to_end(std::string& where) {
   TRY(open_outputs());
   open_governor();
-  if (const auto limits = source_.exposure_limits()) choice_.emplace(*limits);
+  if (const auto limits = source_.exposure_limits()) choice_.emplace(*limits, options_.knobs.state);
   between_shows_ = {};
   Stopwatch wall;
   TRY(source_.start());

@@ -23,8 +23,13 @@ std::string describe(const CycleRequest& request) {
                      100 * request.blur_share);
 }
 
-CycleChoice::CycleChoice(const ExposureLimits& limits)
-    : limits_(limits), gaps_(limits.cycle.size()), order_(limits.cycle.size()), cycle_(limits.cycle) {
+CycleChoice::CycleChoice(const ExposureLimits& limits, const StateOptions& state)
+    : limits_(limits),
+      gaps_(limits.cycle.size()),
+      order_(limits.cycle.size()),
+      cycle_(limits.cycle),
+      pixels_(state.fusion),
+      forecast_(state) {
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   const auto log_of = [&](std::size_t slot) { return log_product(limits_.cycle[slot]); };
   std::ranges::stable_sort(order_, [&](auto a, auto b) { return log_of(a) < log_of(b); });

@@ -29,7 +29,8 @@ class CycleChoice {
   // Of the error: a cycle that promises less than this is not worth the change.
   static constexpr double kLeastGain = 0.1;
 
-  explicit CycleChoice(const ExposureLimits& limits);
+  // state: what the state does with the frames of those exposures.
+  CycleChoice(const ExposureLimits& limits, const StateOptions& state);
 
   // Once per emitted frame. Returns the next cycle where it should change, if the camera can do it.
   std::optional<CycleRequest> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);

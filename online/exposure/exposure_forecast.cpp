@@ -7,14 +7,12 @@
 #include "capture/clip_policy.h"
 #include "hal/core/smooth_step.h"
 #include "online/mu_law.h"
-#include "online/state/state_filter.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr float kNoSample = 1e9f;      // variance of a clipped sample
 constexpr float kLeastWeight = 0.01f;  // of a sample that fades towards clipping: below it counts as clipped
-constexpr StateOptions kState;         // what the state does with its samples
 
 }  // namespace
 
@@ -55,7 +53,7 @@ void ExposureForecast::sample_variances(const Exposure& exposure, Blur blur, Val
     const float weight = 1 - smooth_step(clip_policy::kFadeBegin, clip_policy::kFadeEnd, tables_->code(c, x));
     const float own = (tables_->variance(c, x) + noise.exposure_variance(x)) / (relative * relative);
     const float smear = longer[i] + (shorter[i] - longer[i]) * between;
-    const float doubt = kState.fusion.relative_noise * radiance[i];
+    const float doubt = state_.fusion.relative_noise * radiance[i];
     variances[i] = weight > kLeastWeight ? (own + doubt * doubt + counted * smear) / weight : kNoSample;
   }
 }
@@ -64,8 +62,8 @@ double ExposureForecast::error(std::span<const Values* const> slots) const {
   constexpr int kRounds = 3;        // of the cycle; the last one counts
   constexpr float kUnknown = 0.5f;  // of radiance: error of a pixel of which nothing is known
   constexpr float kLeastKept = 0.01f, kLeastVariance = 1e-12f;  // they keep quotients finite
-  const float growth = 1 + kState.variance_growth,
-              relative2 = kState.relative_growth * kState.relative_growth;
+  const float growth = 1 + state_.variance_growth,
+              relative2 = state_.relative_growth * state_.relative_growth;
   const std::size_t count = slots.size();
   const Values &radiance = pixels_->radiance(), &misalignment = pixels_->misalignment(),
                &kept = pixels_->kept();
@@ -89,7 +87,7 @@ double ExposureForecast::error(std::span<const Values* const> slots) const {
     }
   double total = 0;
   // what no exposure mends, such as the response's error: of radiance, whatever is averaged
-  const float lasting2 = kState.fusion.relative_noise * kState.fusion.relative_noise;
+  const float lasting2 = state_.fusion.relative_noise * state_.fusion.relative_noise;
   const auto phases = static_cast<float>(count);
   for (std::size_t i = 0; i < sum.size(); ++i)
     total += static_cast<double>((sum[i] + phases * lasting2 * radiance[i] * radiance[i]) * weight_[i]);

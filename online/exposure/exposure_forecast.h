@@ -12,6 +12,7 @@
 #include "capture/exposure_schedule.h"
 #include "online/exposure/scene_pixels.h"
 #include "online/state/exposure_tables.h"
+#include "online/state/state_filter.h"
 
 namespace hdrcam {
 
@@ -30,6 +31,9 @@ class ExposureForecast {
     double reference_gain;
   };
 
+  // state: what the state does with its samples.
+  explicit ExposureForecast(const StateOptions& state) : state_(state) {}
+
   // Looks at the pixels, which must stay as they are while this forecast is asked. Errors count up to the
   // radiance `white`. reference_exposure: E_ref, seconds x gains.
   void look(const ScenePixels& pixels, const Sensor& sensor, double reference_exposure, float white);
@@ -42,6 +46,7 @@ class ExposureForecast {
   double error(std::span<const Exposure> cycle, Blur blur);
 
  private:
+  const StateOptions state_;
   const ScenePixels* pixels_ = nullptr;
   std::optional<ExposureTables> tables_;  // at E = E_ref, without shot and read noise
   NoiseModel noise_;

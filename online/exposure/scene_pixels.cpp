@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "online/pictures/between_pixels.h"
-#include "online/state/fusion.h"
 
 namespace hdrcam {
 namespace {
@@ -16,6 +15,10 @@ static_assert(kColumns * kRows * ScenePixels::kFrames == ScenePixels::kPixels);
 // g^3 = g + 1. kInverseGolden is the same along one line: 1/g with g^2 = g + 1.
 constexpr double kInversePlastic = 0.7548776662, kInversePlastic2 = 0.5698402910;
 constexpr double kInverseGolden = 0.6180339887;
+
+// Of misalignment^2: about what Fusion::warp_variance adds, in the mean over fractions of a pixel, where the
+// motion is along one axis, .53 (.3 + .7 / 3). Where it is along both, it adds .77 (.3 + .7 * 2 / 3).
+constexpr float kMisaligned = 0.5f;
 
 // The fractional part of n times an irrational number: evenly spread, without a period.
 float spread(std::uint64_t n, double step) {
@@ -87,6 +90,9 @@ float squared_blur_of(const StatePixel& pixel, Offset motion, float fraction) {
 
 }  // namespace
 
+ScenePixels::ScenePixels(const FusionOptions& fusion)
+    : misaligned_(kMisaligned * fusion.misalignment * fusion.misalignment) {}
+
 void ScenePixels::see(const FrameEstimate& estimate) {
   const ExposedFrame& frame = estimate.frame;
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
@@ -110,9 +116,6 @@ void ScenePixels::see(const FrameEstimate& estimate) {
 
 void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, std::size_t to) {
   constexpr float kUnknownStops = 2;  // above its bound a clipped pixel may be as much brighter
-  // Of the contrast. Fusion::warp_variance adds, in the mean over fractions of a pixel, .53 where the motion
-  // is along one axis (.3 + .7 / 3) and .77 where it is along both (.3 + .7 * 2 / 3).
-  constexpr float kMisaligned = 0.5f * FusionOptions().misalignment * FusionOptions().misalignment;
   // Slips count so much: motion that is wrong alike in both steps does not change, and its surroundings slip
   // with it. With this weight cycles differ in the forecast as their pictures do (docs/decisions/camera.md).
   constexpr float kSlips = 32;
@@ -126,7 +129,7 @@ void ScenePixels::take(const FrameEstimate& estimate, float pace, int y, int x, 
   kept_[to] = std::clamp(estimate.to_previous->confidence.at(0, y, x), 0.f, 1.f);
   // what looks like contrast is noise of the state, too
   const float contrast = known ? std::max(0.f, contrast_3x3(pixel) - variance) : 0;
-  misalignment_[to] = kMisaligned * std::min(1.f, length) * contrast;
+  misalignment_[to] = misaligned_ * std::min(1.f, length) * contrast;
   if (known && estimate.to_next != nullptr) {
     const Offset next = offset_at(*estimate.to_next, x, y);
     const Offset change{next.x + pace * motion.x, next.y + pace * motion.y};

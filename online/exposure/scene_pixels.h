@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "online/frame_estimate.h"
+#include "online/state/fusion.h"
 
 namespace hdrcam {
 
@@ -18,6 +19,9 @@ class ScenePixels {
   static constexpr int kFrames = 4;           // over which the pixels are spread
   static constexpr int kLengths = 6;          // of exposures: a frame interval over 1, 2, 4 .. 32
   using Values = std::array<float, kPixels>;  // one for each pixel
+
+  // fusion: of the state whose estimates it sees.
+  explicit ScenePixels(const FusionOptions& fusion);
 
   // Takes pixels of a frame, in place of the oldest ones. A frame without motion to the one before is left
   // out.
@@ -39,6 +43,7 @@ class ScenePixels {
   // pace: of the motion to the next frame against that from the one before
   void take(const FrameEstimate& estimate, float pace, int y, int x, std::size_t to);
 
+  const float misaligned_;  // of the contrast: variance that a step adds
   Values radiance_{}, misalignment_{}, kept_{};
   std::array<Values, kLengths> squared_blur_{};
   double interval_s_ = 0;

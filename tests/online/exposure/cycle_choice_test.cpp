@@ -34,8 +34,8 @@ const std::vector<Exposure> kCycle{{1ms, 1}, {4ms, 1}, {16ms, 1}};
 // refuses that.
 class Loop {
  public:
-  Loop(const ExposureLimits& limits, const Pattern& pattern)
-      : pattern_(pattern), choice_(limits), reference_(1) {
+  Loop(const ExposureLimits& limits, const Pattern& pattern, const StateOptions& state = {})
+      : pattern_(pattern), choice_(limits, state), reference_(1) {
     for (const Exposure& exposure : limits.cycle)
       reference_ *= std::pow(exposure.product(), 1.0 / static_cast<double>(limits.cycle.size()));
     frame_.codes = Image<float>(3, kRows, kCols);
@@ -116,6 +116,13 @@ TEST_CASE("where everything moves the times get shorter, where nothing does they
   CHECK(seconds_of(moving.cycle()) < 0.6 * seconds_of(kCycle));
   CHECK(moving.request()->blur_share > 0.3);
   CHECK(seconds_of(resting.cycle()) >= seconds_of(kCycle));
+}
+
+TEST_CASE(
+    "where the state takes samples for worse than any blur makes them, no other cycle is worth a change") {
+  Loop doubting(limits_of(kCycle), {.speed_px = 8}, {.fusion = {.relative_noise = 0.5f}});
+  doubting.run(120);
+  CHECK_FALSE(doubting.request());
 }
 
 TEST_CASE("a cycle of short times and high gains gets long times and low gains once all is at rest") {
@@ -204,7 +211,7 @@ TEST_CASE("the cycle follows when what moved comes to rest") {
 }
 
 TEST_CASE("the summary counts the requests in words") {
-  CycleChoice choice(limits_of(kCycle));
+  CycleChoice choice(limits_of(kCycle), {});
   const CycleRequest request{.cycle = kCycle, .error_before = 1, .error_after = 0.5};
   choice.runs(request);
   CHECK_THAT(choice.summary(), Catch::Contains("other exposures 1 time; last for "));

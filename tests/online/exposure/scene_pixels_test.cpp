@@ -27,7 +27,8 @@ struct Waves {
 };
 
 // Mean variance that a step adds to what is known, where the scene moves on like that; none: not known.
-double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwards) {
+double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwards,
+                    const FusionOptions& fusion = {}) {
   ExposedFrame frame;
   frame.codes = Image<float>(3, kRows, kCols);
   frame.interval_s = 0.033;
@@ -47,7 +48,7 @@ double misalignment(const Waves& waves, const std::function<Offset(int y)>& onwa
       to_next.at(0, y, x) = next.x, to_next.at(1, y, x) = next.y;
     }
   const FrameEstimate estimate = test::estimate_of(frame, state, flow, onwards ? &to_next : nullptr, 1);
-  ScenePixels pixels;
+  ScenePixels pixels(fusion);
   while (!pixels.complete()) pixels.see(estimate);
   const ScenePixels::Values& values = pixels.misalignment();
   return std::accumulate(values.begin(), values.end(), 0.0) / ScenePixels::kPixels;
@@ -65,6 +66,14 @@ TEST_CASE(
   CHECK(misalignment({}, [](int) { return Offset{kStep, 3}; }) == Approx(alone).epsilon(0.01));
   const auto turned = [](int y) { return Offset{kStep + (y % 8 < 4 ? 2.f : -2.f), 0}; };
   CHECK(misalignment({}, turned) > 100 * alone);
+}
+
+TEST_CASE("a step adds as much to what is known as the state adds, whatever its knob says") {
+  const double usual = misalignment({}, nullptr);
+  REQUIRE(usual > 0);
+  CHECK(misalignment({}, nullptr, {.misalignment = 2 * FusionOptions().misalignment}) ==
+        Approx(4 * usual).epsilon(1e-5));
+  CHECK(misalignment({}, nullptr, {.misalignment = 0}) == 0);
 }
 
 TEST_CASE("noise of the state is no slip, however unsteady the motion") {
