@@ -174,7 +174,7 @@ void CaptureStage::settle_trigger() {
   if (trigger_.options() == nullptr) return;
   trigger_.drain(*matcher_);
   (void)drain_strobe();
-  trigger_.settle();
+  trigger_.settle_last();
   counters_.trigger = trigger_.counters();
 }
 

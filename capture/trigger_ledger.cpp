@@ -18,10 +18,19 @@ void TriggerLedger::start(const TriggerOptions& options) {
   options_ = options;
 }
 
+// The pulses that were driven since the last one that was told of.
+std::uint64_t TriggerLedger::count_unrecorded(std::uint64_t driven) {
+  const std::uint64_t unrecorded = driven - next_index_;
+  next_index_ = driven;
+  counters_.pulses += unrecorded;
+  return unrecorded;
+}
+
 void TriggerLedger::pulse(const TriggerPulse& pulse) {
-  ++counters_.pulses;
+  const std::uint64_t unrecorded = count_unrecorded(pulse.index);
+  ++counters_.pulses, ++next_index_;
   counters_.late += pulse.late;
-  counters_.left_out += pulse.planned.number - next_number_;
+  counters_.left_out += pulse.planned.number - next_number_ - unrecorded;
   next_number_ = pulse.planned.number + 1;
   errors_.add(pulse.begin_error());
   errors_.add(pulse.width_error());
@@ -30,7 +39,7 @@ void TriggerLedger::pulse(const TriggerPulse& pulse) {
   counters_.edge_most = errors_.most();
   while (expected_.full()) (void)settle_one(expected_.front().until);
   expected_.push({pulse.planned.number, pulse.rise.at + -(kEarly + pulse.rise.within),
-                  pulse.rise.at + options_.interval / 2});
+                  pulse.rise.at + options_.interval / 2, unrecorded});
 }
 
 void TriggerLedger::answer(const Edge& edge) {
@@ -44,6 +53,16 @@ void TriggerLedger::count_missing(const Expected& pulse) {
   ++counters_.unanswered;
 }
 
+// An answer that is to no recorded pulse.
+void TriggerLedger::count_answer_beside(std::uint64_t& unrecorded, Instant at) {
+  if (unrecorded > 0) {
+    --unrecorded, ++counters_.answered;
+    return;
+  }
+  if (counters_.spurious < counters_.spurious_at.size()) counters_.spurious_at[counters_.spurious] = at;
+  ++counters_.spurious;
+}
+
 // Settles the older of the oldest pulse and the oldest answer. False where neither is old enough.
 bool TriggerLedger::settle_one(Instant until) {
   const bool expected = !expected_.empty(), answered = !answers_.empty();
@@ -54,9 +73,8 @@ bool TriggerLedger::settle_one(Instant until) {
   }
   if (answered && (!expected || answers_.front() < expected_.front().from)) {
     if (answers_.front() > until) return false;
-    if (counters_.spurious < counters_.spurious_at.size())
-      counters_.spurious_at[counters_.spurious] = answers_.front();
-    ++counters_.spurious, ++answers_.taken;
+    count_answer_beside(expected ? expected_.front().unrecorded_before : unrecorded_, answers_.front());
+    ++answers_.taken;
     return true;
   }
   if (!expected || (!answered && expected_.front().until > until)) return false;

@@ -1,7 +1,9 @@
 // The account of trigger pulses: how late their edges were, and what the sensor answered on the strobe line.
 // A pulse's answer is the first leading edge from a little before the pulse until half an interval after it;
-// a pulse without one, and a leading edge without a pulse, are counted and named. Thread-bound; bounded
-// state, no allocation.
+// a pulse without one, and a leading edge without a pulse, are counted and named. Of pulses that were driven
+// while the ring of the trigger was full there is no record: they count, and an answer between the pulses
+// around them is theirs; nobody knows which of them were late or unanswered. Thread-bound; bounded state, no
+// allocation.
 #pragma once
 
 #include <array>
@@ -35,6 +37,8 @@ class TriggerLedger {
   void pulse(const TriggerPulse& pulse);
   void answer(const Edge& edge);
   void settle(Instant until);
+  // No further pulse comes; so many were driven since the start.
+  void end(std::uint64_t driven) { unrecorded_ += count_unrecorded(driven); }
   const TriggerCounters& counters() const { return counters_; }
 
  private:
@@ -53,15 +57,19 @@ class TriggerLedger {
   };
   struct Expected {
     std::uint64_t number = 0;
-    Instant from, until;  // of the answer
+    Instant from, until;                  // of the answer
+    std::uint64_t unrecorded_before = 0;  // pulses whose answers have not come
   };
 
+  std::uint64_t count_unrecorded(std::uint64_t driven);
   bool settle_one(Instant until);
+  void count_answer_beside(std::uint64_t& unrecorded, Instant at);
   void count_missing(const Expected& pulse);
 
   TriggerOptions options_;
   EdgeErrors errors_;
-  std::uint64_t next_number_ = 0;
+  std::uint64_t next_number_ = 0, next_index_ = 0;
+  std::uint64_t unrecorded_ = 0;  // after the last pulse, without an answer
   Ring<Expected> expected_;
   Ring<Instant> answers_;
   TriggerCounters counters_;

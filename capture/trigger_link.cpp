@@ -35,6 +35,12 @@ void TriggerLink::settle(Instant now) {
   if (trigger_ != nullptr) ledger_.settle(now + -trigger_->options().interval / 2);
 }
 
+void TriggerLink::settle_last() {
+  if (trigger_ == nullptr) return;
+  ledger_.end(trigger_->driven());
+  settle(trigger_->now());
+}
+
 Result<void> TriggerLink::check_driven() {
   constexpr int kMostExposedBefore = 8;
   if (trigger_ == nullptr) return {};

@@ -31,9 +31,8 @@ class TriggerLink {
   void answer(const Edge& edge);
   // Counts pulses and answers that are half an interval older than this.
   void settle(Instant now);
-  void settle() {
-    if (trigger_ != nullptr) settle(trigger_->now());
-  }
+  // The same after stop(), for the last ones.
+  void settle_last();
   const TriggerCounters& counters() const { return ledger_.counters(); }
 
   // Call it for each frame. An error, where the line failed and frames come all the same, of a sensor that

@@ -16,12 +16,15 @@ struct Answered {
   void pulse(int i, bool late = false) {
     TriggerPulse pulse;
     pulse.planned.number = static_cast<std::uint64_t>(i);
+    pulse.index = driven++;
     pulse.planned.begin = begin(i), pulse.planned.width = 200us;
     pulse.rise.at = begin(i), pulse.fall.at = begin(i) + 200us, pulse.late = late;
     ledger.pulse(pulse);
   }
   void answer(Instant when) { ledger.answer({when, true, 0}), ledger.answer({when + 1ms, false, 0}); }
+  void unrecorded_pulse() { ++driven; }
   TriggerLedger ledger;
+  std::uint64_t driven = 0;
 };
 
 TEST_CASE("each pulse's answer is found, and what is missing or not asked for is counted and named") {
@@ -68,6 +71,37 @@ TEST_CASE("pulses are answered although the edges come later than all of them") 
   line.ledger.settle(line.begin(1010));
   CHECK(line.ledger.counters().answered == 1000);
   CHECK(line.ledger.counters().unanswered + line.ledger.counters().spurious == 0);
+}
+
+TEST_CASE("pulses without a record were driven, and their answers are no others'") {
+  Answered line;
+  line.pulse(0);
+  line.answer(line.begin(0) + 100us);
+  for (int i = 1; i < 9; ++i) {
+    if (i == 4) continue;  // not driven
+    line.unrecorded_pulse();
+    if (i != 6) line.answer(line.begin(i) + 100us);
+  }
+  line.pulse(10);  // nor is 9
+  line.answer(line.begin(10) + 100us);
+  line.answer(line.begin(10) + 7ms);  // nobody asked
+  line.pulse(11);
+  line.answer(line.begin(11) + 100us);
+  line.ledger.settle(line.begin(20));
+  const TriggerCounters& counters = line.ledger.counters();
+  CHECK(counters.pulses == 10);
+  CHECK(counters.left_out == 2);
+  CHECK(counters.answered == 9);
+  CHECK(counters.unanswered == 0);
+  CHECK(counters.spurious == 1);
+
+  line.unrecorded_pulse();
+  line.answer(line.begin(12) + 100us);
+  line.ledger.end(line.driven);
+  line.ledger.settle(line.begin(20));
+  CHECK(counters.pulses == 11);
+  CHECK(counters.answered == 10);
+  CHECK(counters.spurious == 1);
 }
 
 TEST_CASE("however many pulses or answers wait, each is counted once, in order of time") {
