@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "capture/control_latency.h"
 
@@ -155,6 +156,7 @@ void CaptureStage::restart_matching() {
     adaptation_.emplace(*limits, latency_frames());
   lost_since_emitted_ = 0;
   last_emitted_.reset();
+  last_request_ = {};
   drops_.end();
 }
 
@@ -206,6 +208,7 @@ Result<CapturedBuffer> CaptureStage::wait() {
 }
 
 Result<void> CaptureStage::next(CapturedFrame& frame) {
+  TRY(std::exchange(last_request_, {}));
   for (;;) {
     bool emitted = false;
     {
@@ -218,7 +221,13 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
       TRY(drain_strobe());
       emitted = TRY(take(buffer, frame));
     }  // the buffer goes back, so that the next request finds it
-    counters_.requests_late += !TRY(requests_.top_up(*matcher_));
+    const Result<bool> topped_up = requests_.top_up(*matcher_);
+    if (topped_up)
+      counters_.requests_late += !topped_up.value();
+    else if (emitted)
+      last_request_ = topped_up.error();
+    else
+      return topped_up.error();
     if (emitted) return {};
   }
 }

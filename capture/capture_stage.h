@@ -55,7 +55,8 @@ class CaptureStage {
   Result<void> start();
   // Writes the next frame into `frame`, whose storage is reused. Errors: the camera's own; Interrupted after
   // stop(); Invalid or Unsupported for a pixel format that cannot be unpacked, Corrupt once many frames in a
-  // row were damaged or did not decode.
+  // row were damaged or did not decode. A frame that came before the camera refused the next request is
+  // delivered first.
   Result<void> next(CapturedFrame& frame);
   // Ends a waiting next(); may be called from any thread. start() may follow.
   Result<void> stop();
@@ -138,6 +139,7 @@ class CaptureStage {
   DropStreak drops_;
   int lost_since_emitted_ = 0;
   std::optional<Emitted> last_emitted_;
+  Result<void> last_request_;  // the camera's answer, where it came with a frame
   CaptureCounters counters_;
 };
 

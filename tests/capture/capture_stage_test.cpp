@@ -504,6 +504,37 @@ TEST_CASE("capture does not allocate once it runs", "[capture]") {
   CHECK_ALLOCATIONS(by_stage == 0);
 }
 
+// It goes away while a request is being queued.
+class LeavingCamera : public MisbehavingCamera {
+ public:
+  explicit LeavingCamera(int requests) : MisbehavingCamera({}, {}), left_(requests) {}
+  Result<void> queue(const ExposureRequest& request) override {
+    if (left_-- <= 0) return Error{ErrorCode::Unplugged, "the model went away"};
+    return MisbehavingCamera::queue(request);
+  }
+
+ private:
+  int left_;
+};
+
+TEST_CASE("the frame that came before the camera refused a request is delivered, then the refusal is told",
+          "[capture]") {
+  CaptureOptions options;
+  options.buffers = 8;
+  LeavingCamera sensor(options.buffers + 5);
+  auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
+  REQUIRE(opened.ok());
+  CaptureStage& stage = **opened;
+  REQUIRE(stage.start().ok());
+  CapturedFrame frame;
+  for (int i = 0; i < 6; ++i) REQUIRE(stage.next(frame).ok());
+  const Result<void> refused = stage.next(frame);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Unplugged);
+  CHECK(stage.counters().emitted == 6);
+  CHECK(stage.counters().captured == 6);
+}
+
 TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {
   MisbehavingCamera sensor({}, {});
   constexpr Exposure kTooLong[] = {{1ms, 1}, {40ms, 1}};
