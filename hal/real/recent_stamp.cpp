@@ -1,6 +1,7 @@
 #include "hal/real/recent_stamp.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace hdrcam {
 
@@ -17,7 +18,10 @@ Instant instant_of_recent_stamp(Clock& clock, Duration stamp) {
 }
 
 Instant instant_of_recent_stamp(Clock& clock, ClockDomain domain, Duration stamp) {
-  return std::min(clock.instant_of(domain, stamp), clock.now());
+  constexpr Duration kMostAhead = std::chrono::milliseconds(500);
+  const Instant stated = clock.instant_of(domain, stamp), now = clock.now();
+  if (stated - now > kMostAhead) return instant_of_recent_stamp(clock, stamp);
+  return std::min(stated, now);
 }
 
 }  // namespace hdrcam

@@ -11,7 +11,8 @@ namespace hdrcam {
 // not stamped later than now: a driver's slip into the future is taken for now, so that no frame seems to be
 // lost.
 Instant instant_of_recent_stamp(Clock& clock, Duration stamp);
-// The same of a stamp whose clock is known.
+// The same of a stamp whose clock its driver states. One that lies far ahead of that clock is of another one,
+// as of a USB camera with `uvcvideo clock=CLOCK_REALTIME`, whose driver goes on to state the monotonic clock.
 Instant instant_of_recent_stamp(Clock& clock, ClockDomain domain, Duration stamp);
 
 }  // namespace hdrcam

@@ -22,3 +22,11 @@ TEST_CASE("a frame is not stamped later than it is there, whatever its driver sa
   CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, 1500s) == clock.now());
   CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, 499s).since_boot == 499s);
 }
+
+TEST_CASE("a stamp that is far ahead of the clock which its driver states is of the one that is near it") {
+  VirtualClock clock(Instant::from_seconds(500));
+  const Duration stamp = 499'970ms;
+  CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, stamp + VirtualClock::kRealtimeStart)
+            .since_boot == stamp);
+  CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, 500'300ms) == clock.now());
+}
