@@ -34,6 +34,7 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 
 #include "hal/pixel_pack.h"
 #include "hal/real/buffer_slots.h"
+#include "hal/real/completed_frames.h"
 #include "hal/real/control_pacer.h"
 #include "hal/real/libcamera_black.h"
 #include "hal/real/libcamera_buffers.h"
@@ -200,7 +201,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       const std::lock_guard completions(completions_mutex_);
       if (gone_) return libcamera_error(-ENODEV, capabilities_.id, "start");
       first_ = count_ = 0;
-      pacer_.restart();
+      pacer_.restart(), frames_.restart();
     }
     lc::ControlList controls(camera_->controls());
     take_over(controls);
@@ -267,7 +268,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     std::unique_ptr<lc::Request> own;
     // Written by libcamera's thread before it reports the completion.
     bool control_late = false;
-    std::optional<Instant> cancelled;  // when, while the stream ran: such a frame says nothing of itself
+    bool cancelled = false;  // while the stream ran
+    CompletedFrames::Place place;
   };
 
   void give_back(int index) override {
@@ -349,8 +351,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     CapturedBuffer buffer;
     buffer.cookie = slots_.lease(index);
     buffer.lease = BufferLease(*this, static_cast<int>(index));
-    buffer.sequence = frame.sequence;
-    buffer.timestamp = request.cancelled.value_or(timestamp_of(*request.own, frame));
+    buffer.sequence = request.place.sequence;
+    buffer.timestamp = request.place.timestamp;
     buffer.control_late = request.control_late;
     buffer.damaged = request.cancelled || frame.status != lc::FrameMetadata::FrameSuccess;
     if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
@@ -376,14 +378,17 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   void on_completed(lc::Request* request) {
     const auto index = static_cast<std::size_t>(request->cookie());
     const bool cancelled = request->status() == lc::Request::RequestCancelled;
-    const Instant timestamp =
-        cancelled ? clock_.now() : timestamp_of(*request, buffers_->buffer(index).metadata());
+    const lc::FrameMetadata& frame = buffers_->buffer(index).metadata();
+    const Instant timestamp = cancelled ? clock_.now() : timestamp_of(*request, frame);
     {
       const std::lock_guard completions(completions_mutex_);
       if (cancelled && !started_) return;  // by stop()
-      requests_[index].cancelled = cancelled ? std::optional(timestamp) : std::nullopt;
+      Request& own = requests_[index];
+      own.cancelled = cancelled;
+      own.place = cancelled ? frames_.cancelled(timestamp, mode_.frame_duration)
+                            : frames_.completed(frame.sequence, timestamp);
       completed_[(first_ + count_++) % completed_.size()] = index;
-      if (paced_) requests_[index].control_late = pacer_.completed(timestamp);
+      if (paced_) own.control_late = pacer_.completed(own.place.timestamp);
     }
     changed_.notify_one();
   }
@@ -421,6 +426,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   bool gone_ = false;
   std::array<std::size_t, ControlPacer::kDepth> completed_{};  // slots, a ring
   std::size_t first_ = 0, count_ = 0;
+  CompletedFrames frames_;
   ControlPacer pacer_;
 };
 
