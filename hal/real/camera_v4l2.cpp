@@ -221,7 +221,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     buffer.timestamp = instant_of_stamp(clock_, filled.flags, filled.stamp);
     buffer.readout = control_.readout(picture_.mode.height);
     buffer.mode = picture_.mode, buffer.yuv = picture_.yuv, buffer.stride = picture_.stride;
-    const auto memory = stream_.memory(filled.index);
+    const auto whole = stream_.memory(filled.index);
+    const auto memory = whole.subspan(std::min(filled.begin, whole.size()));
     const bool compressed = picture_.stride == 0;
     buffer.damaged =
         (filled.flags & V4L2_BUF_FLAG_ERROR) != 0 || (!compressed && filled.bytes < picture_.bytes);

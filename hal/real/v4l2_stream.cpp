@@ -31,6 +31,8 @@ struct BufferCall {
   bool multi_planar() const { return buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
   std::size_t length() const { return multi_planar() ? planes[0].length : buffer.length; }
   off_t offset() const { return multi_planar() ? planes[0].m.mem_offset : buffer.m.offset; }
+  // A plane may begin with what is no picture; its bytes that are used count that, too.
+  std::size_t begin() const { return multi_planar() ? planes[0].data_offset : 0; }
   std::size_t bytes_used() const { return multi_planar() ? planes[0].bytesused : buffer.bytesused; }
 };
 
@@ -125,8 +127,9 @@ Result<std::optional<V4l2Stream::Filled>> V4l2Stream::dequeue() {
     return device_error(code, video_.path(), "deliver a frame");
   }
   const auto& stamp = call.buffer.timestamp;
+  const std::size_t begin = std::min(call.begin(), call.bytes_used());
   return std::optional(Filled{static_cast<int>(call.buffer.index), call.buffer.sequence, call.buffer.flags,
-                              call.bytes_used(),
+                              begin, call.bytes_used() - begin,
                               std::chrono::seconds(stamp.tv_sec) + std::chrono::microseconds(stamp.tv_usec)});
 }
 

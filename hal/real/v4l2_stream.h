@@ -50,8 +50,8 @@ class V4l2Stream {
   struct Filled {
     int index = 0;
     std::uint32_t sequence = 0, flags = 0;
-    std::size_t bytes = 0;
-    Duration stamp{0};  // of the clock that the flags name
+    std::size_t begin = 0, bytes = 0;  // of the picture in the buffer's memory
+    Duration stamp{0};                 // of the clock that the flags name
   };
   // The next filled buffer; nullopt where none is ready. Unplugged.
   Result<std::optional<Filled>> dequeue();
