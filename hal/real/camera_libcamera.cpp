@@ -183,11 +183,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     yuv_ = stream.colorSpace ? coding_of(*stream.colorSpace) : YuvCoding();
     stride_ = wanted.format == PixelFormat::Mjpeg ? 0 : stream.stride;
     buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
-    requests_.resize(buffers_->size());
-    for (std::size_t i = 0; i < requests_.size(); ++i) {
-      requests_[i].own = camera_->createRequest(i);
-      requests_[i].own->addBuffer(stream.stream(), &buffers_->buffer(i));
-    }
+    TRY(make_requests(*stream.stream()));
     slots_.reset(requests_.size());
     return mode_;
   }
@@ -282,6 +278,17 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     TRY(check_buffers(buffers, ControlPacer::kDepth));
     TRY(check_size(wanted));
     return slots_.check_none_leased();
+  }
+
+  // libcamera makes none of a camera that was unplugged meanwhile.
+  Result<void> make_requests(lc::Stream& stream) {
+    requests_.resize(buffers_->size());
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+      requests_[i].own = camera_->createRequest(i);
+      if (requests_[i].own == nullptr || requests_[i].own->addBuffer(&stream, &buffers_->buffer(i)) != 0)
+        return libcamera_error(-ENODEV, capabilities_.id, "make its requests");
+    }
+    return {};
   }
 
   Error does_not_offer(PixelFormat format) const {
