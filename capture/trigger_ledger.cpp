@@ -1,6 +1,7 @@
 #include "capture/trigger_ledger.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "hal/core/counted.h"
 
@@ -43,12 +44,15 @@ void TriggerLedger::pulse(const TriggerPulse& pulse) {
 }
 
 void TriggerLedger::answer(const Edge& edge) {
+  edges_lost_ = edges_lost_ || (last_edge_ && edge.sequence > *last_edge_ + 1);
+  last_edge_ = edge.sequence;
   if (!edge.rising) return;
-  while (answers_.full()) (void)settle_one(answers_.front());
-  answers_.push(edge.at);
+  while (answers_.full()) (void)settle_one(answers_.front().at);
+  answers_.push({edge.at, std::exchange(edges_lost_, false)});
 }
 
 void TriggerLedger::count_missing(const Expected& pulse) {
+  if (!answers_.empty() && answers_.front().after_lost_ones) return;
   if (counters_.unanswered < counters_.missing.size()) counters_.missing[counters_.unanswered] = pulse.number;
   ++counters_.unanswered;
 }
@@ -66,14 +70,14 @@ void TriggerLedger::count_answer_beside(std::uint64_t& unrecorded, Instant at) {
 // Settles the older of the oldest pulse and the oldest answer. False where neither is old enough.
 bool TriggerLedger::settle_one(Instant until) {
   const bool expected = !expected_.empty(), answered = !answers_.empty();
-  if (expected && answered && answers_.front() >= expected_.front().from &&
-      answers_.front() <= expected_.front().until) {
+  if (expected && answered && answers_.front().at >= expected_.front().from &&
+      answers_.front().at <= expected_.front().until) {
     ++counters_.answered, ++expected_.taken, ++answers_.taken;
     return true;
   }
-  if (answered && (!expected || answers_.front() < expected_.front().from)) {
-    if (answers_.front() > until) return false;
-    count_answer_beside(expected ? expected_.front().unrecorded_before : unrecorded_, answers_.front());
+  if (answered && (!expected || answers_.front().at < expected_.front().from)) {
+    if (answers_.front().at > until) return false;
+    count_answer_beside(expected ? expected_.front().unrecorded_before : unrecorded_, answers_.front().at);
     ++answers_.taken;
     return true;
   }

@@ -2,12 +2,14 @@
 // A pulse's answer is the first leading edge from a little before the pulse until half an interval after it;
 // a pulse without one, and a leading edge without a pulse, are counted and named. Of pulses that were driven
 // while the ring of the trigger was full there is no record: they count, and an answer between the pulses
-// around them is theirs; nobody knows which of them were late or unanswered. Thread-bound; bounded state, no
-// allocation.
+// around them is theirs; nobody knows which of them were late or unanswered. Nor is a pulse unanswered whose
+// answer may be among edges that the line lost, as it does for a reader that is late. Thread-bound; bounded
+// state, no allocation.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "capture/edge_errors.h"
@@ -61,6 +63,11 @@ class TriggerLedger {
     std::uint64_t unrecorded_before = 0;  // pulses whose answers have not come
   };
 
+  struct LeadingEdge {
+    Instant at;
+    bool after_lost_ones = false;  // edges between the leading edge before it and this one
+  };
+
   std::uint64_t count_unrecorded(std::uint64_t driven);
   bool settle_one(Instant until);
   void count_answer_beside(std::uint64_t& unrecorded, Instant at);
@@ -71,7 +78,9 @@ class TriggerLedger {
   std::uint64_t next_number_ = 0, next_index_ = 0;
   std::uint64_t unrecorded_ = 0;  // after the last pulse, without an answer
   Ring<Expected> expected_;
-  Ring<Instant> answers_;
+  Ring<LeadingEdge> answers_;
+  std::optional<std::uint64_t> last_edge_;  // its sequence number
+  bool edges_lost_ = false;                 // since the last leading edge
   TriggerCounters counters_;
 };
 

@@ -21,10 +21,14 @@ struct Answered {
     pulse.rise.at = begin(i), pulse.fall.at = begin(i) + 200us, pulse.late = late;
     ledger.pulse(pulse);
   }
-  void answer(Instant when) { ledger.answer({when, true, 0}), ledger.answer({when + 1ms, false, 0}); }
+  void answer(Instant when) {
+    ledger.answer({when, true, edges++});
+    ledger.answer({when + 1ms, false, edges++});
+  }
+  void lose_answer() { edges += 2; }
   void unrecorded_pulse() { ++driven; }
   TriggerLedger ledger;
-  std::uint64_t driven = 0;
+  std::uint64_t driven = 0, edges = 0;
 };
 
 TEST_CASE("each pulse's answer is found, and what is missing or not asked for is counted and named") {
@@ -102,6 +106,24 @@ TEST_CASE("pulses without a record were driven, and their answers are no others'
   CHECK(counters.pulses == 11);
   CHECK(counters.answered == 10);
   CHECK(counters.spurious == 1);
+}
+
+TEST_CASE("a pulse whose answer may be among edges that the line lost is not said to be unanswered") {
+  Answered line;
+  for (int i = 0; i < 10; ++i) {
+    line.pulse(i);
+    if (i >= 3 && i <= 6)
+      line.lose_answer();
+    else if (i != 8)
+      line.answer(line.begin(i) + 100us);
+  }
+  line.ledger.settle(line.begin(20));
+  const TriggerCounters& counters = line.ledger.counters();
+  CHECK(counters.pulses == 10);
+  CHECK(counters.answered == 5);
+  CHECK(counters.unanswered == 1);
+  CHECK(counters.missing[0] == 8);
+  CHECK(counters.spurious == 0);
 }
 
 TEST_CASE("however many pulses or answers wait, each is counted once, in order of time") {
