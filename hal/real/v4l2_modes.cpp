@@ -11,8 +11,9 @@
 namespace hdrcam {
 namespace {
 
+// A frame that takes no time, or endless time, is one of which the driver knows nothing.
 Duration duration_of(const v4l2_fract& seconds) {
-  if (seconds.denominator == 0) return kUsualFrameDuration;
+  if (seconds.numerator == 0 || seconds.denominator == 0) return kUsualFrameDuration;
   return Duration(static_cast<Duration::rep>(1e9 * seconds.numerator / seconds.denominator + 0.5));
 }
 

@@ -58,6 +58,23 @@ TEST_CASE("a driver that lists no sizes is asked for the one that it has, of its
   }
 }
 
+TEST_CASE("a driver that knows no frame interval has the usual one") {
+  const DeviceNode video = node();
+  for (const v4l2_fract& interval : {v4l2_fract{0, 30}, v4l2_fract{0, 0}, v4l2_fract{1, 0}}) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request == VIDIOC_G_FMT) return 0;
+      if (request != VIDIOC_ENUM_FRAMEINTERVALS) return list_one(request, argument, PixelFormat::Yuyv);
+      auto& listed = *static_cast<v4l2_frmivalenum*>(argument);
+      if (listed.index > 0) return EINVAL;
+      listed.type = V4L2_FRMIVAL_TYPE_DISCRETE, listed.discrete = interval;
+      return 0;
+    });
+    const auto modes = modes_of(video, V4L2_BUF_TYPE_VIDEO_CAPTURE);
+    REQUIRE(modes.size() == 1);
+    CHECK(modes[0].frame_duration == kUsualFrameDuration);
+  }
+}
+
 TEST_CASE("a whole picture is what its rows need, however the driver pads its buffers") {
   const DeviceNode video = node();
   constexpr std::uint32_t kPadded = 4'000'000;
