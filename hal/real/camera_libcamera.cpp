@@ -177,6 +177,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       return does_not_offer(wanted.format);
     if (const int code = camera_->configure(configuration.get()); code != 0)
       return libcamera_error(code, capabilities_.id, "take the picture format");
+    describe_exposure(*camera_, capabilities_);  // the Raspberry Pi's limits are those of the sensor's mode
     mode_ = wanted;
     mode_.width = static_cast<int>(stream.size.width), mode_.height = static_cast<int>(stream.size.height);
     mode_.frame_duration = constant_frame_duration(wanted.frame_duration);
