@@ -162,12 +162,14 @@ void CaptureStage::restart_matching() {
 
 Result<void> CaptureStage::start() {
   restart_matching();
+  stopped_ = false;
   TRY(camera_.start());
   TRY(requests_.fill(*matcher_, options_.buffers));
   return trigger_.start(schedule_);
 }
 
 Result<void> CaptureStage::stop() {
+  stopped_ = true;
   trigger_.stop();
   return camera_.stop();
 }
@@ -207,6 +209,12 @@ Result<CapturedBuffer> CaptureStage::wait() {
   return waited;
 }
 
+// A camera that another thread stopped meanwhile refuses requests as one that was never started.
+Error CaptureStage::refusal(const Error& of_request) const {
+  if (!stopped_) return of_request;
+  return {ErrorCode::Interrupted, fmt::format("capture from '{}' was stopped", camera_.capabilities().id)};
+}
+
 Result<void> CaptureStage::next(CapturedFrame& frame) {
   TRY(std::exchange(last_request_, {}));
   for (;;) {
@@ -225,9 +233,9 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
     if (topped_up)
       counters_.requests_late += !topped_up.value();
     else if (emitted)
-      last_request_ = topped_up.error();
+      last_request_ = refusal(topped_up.error());
     else
-      return topped_up.error();
+      return refusal(topped_up.error());
     if (emitted) return {};
   }
 }

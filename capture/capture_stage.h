@@ -6,6 +6,7 @@
 // stop(); no allocation per frame after the first.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -112,6 +113,7 @@ class CaptureStage {
   void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                            FrameFacts& facts);
   int slot_of(const ExposureClaim& label) const;
+  Error refusal(const Error& of_request) const;
 
   struct Emitted {  // frame
     std::uint64_t sequence = 0, index = 0;
@@ -140,6 +142,7 @@ class CaptureStage {
   int lost_since_emitted_ = 0;
   std::optional<Emitted> last_emitted_;
   Result<void> last_request_;  // the camera's answer, where it came with a frame
+  std::atomic<bool> stopped_{false};
   CaptureCounters counters_;
 };
 

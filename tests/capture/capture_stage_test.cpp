@@ -4,7 +4,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "hal/sim/sim_bench.h"
 #include "tests/allocation_checks.h"
@@ -504,24 +506,29 @@ TEST_CASE("capture does not allocate once it runs", "[capture]") {
   CHECK_ALLOCATIONS(by_stage == 0);
 }
 
-// It goes away while a request is being queued.
-class LeavingCamera : public MisbehavingCamera {
+// Something happens to it while a request is being queued, which it then refuses.
+class RefusingCamera : public MisbehavingCamera {
  public:
-  explicit LeavingCamera(int requests) : MisbehavingCamera({}, {}), left_(requests) {}
+  RefusingCamera(int requests, const Error& refusal)
+      : MisbehavingCamera({}, {}), left_(requests), refusal_(refusal) {}
+  void set_happens(std::function<void()> happens) { happens_ = std::move(happens); }
   Result<void> queue(const ExposureRequest& request) override {
-    if (left_-- <= 0) return Error{ErrorCode::Unplugged, "the model went away"};
-    return MisbehavingCamera::queue(request);
+    if (left_-- > 0) return MisbehavingCamera::queue(request);
+    if (happens_) happens_();
+    return refusal_;
   }
 
  private:
   int left_;
+  Error refusal_;
+  std::function<void()> happens_;
 };
 
 TEST_CASE("the frame that came before the camera refused a request is delivered, then the refusal is told",
           "[capture]") {
   CaptureOptions options;
   options.buffers = 8;
-  LeavingCamera sensor(options.buffers + 5);
+  RefusingCamera sensor(options.buffers + 5, {ErrorCode::Unplugged, "the model went away"});
   auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
   REQUIRE(opened.ok());
   CaptureStage& stage = **opened;
@@ -533,6 +540,22 @@ TEST_CASE("the frame that came before the camera refused a request is delivered,
   CHECK(refused.error().code == ErrorCode::Unplugged);
   CHECK(stage.counters().emitted == 6);
   CHECK(stage.counters().captured == 6);
+}
+
+TEST_CASE("a stop by another thread while a request is queued is an interruption, not a fault", "[capture]") {
+  CaptureOptions options;
+  options.buffers = 8;
+  RefusingCamera sensor(options.buffers + 1, {ErrorCode::Invalid, "the model is not started"});
+  auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
+  REQUIRE(opened.ok());
+  CaptureStage& stage = **opened;
+  sensor.set_happens([&] { (void)stage.stop(); });
+  REQUIRE(stage.start().ok());
+  CapturedFrame frame;
+  for (int i = 0; i < 2; ++i) REQUIRE(stage.next(frame).ok());
+  const Result<void> stopped = stage.next(frame);
+  REQUIRE_FALSE(stopped.ok());
+  CHECK(stopped.error().code == ErrorCode::Interrupted);
 }
 
 TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {
