@@ -1,5 +1,7 @@
 #include "online/state/state_filter.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "capture/to_exposed_frame.h"
@@ -65,6 +67,157 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
     CHECK(claim.square > 0.4 * claim.variance);
     CHECK(claim.square < 1.6 * claim.variance);
   }
+}
+
+TEST_CASE("what is known is carried along the motion, its variance with it, and what is not stays unknown") {
+  constexpr int kRows = 32, kCols = 64;
+  constexpr float kSeen = 2, kBound = 1, kVariance = 0.01f;
+  struct Step {
+    int dx, dy;  // pixels, to where a pixel was
+  };
+  const Step step = GENERATE(Step{-8, 5}, Step{11, -3});
+  const auto known = [](int x, int y) { return x < kCols / 2 && y < kRows / 2; };
+  WorkerPool pool(2);
+  RadianceState before{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                       Image<float>(1, kRows, kCols)};
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x) {
+        before.radiance.at(c, y, x) = known(x, y) ? kSeen : kBound;
+        before.variance.at(c, y, x) = known(x, y) ? kVariance : kUnseenVariance;
+      }
+  ExposedFrame clipped;  // tells no more than that all is at least as bright as the bound
+  clipped.index = 1;
+  clipped.codes = Image<float>(3, kRows, kCols);
+  clipped.codes.fill(kMaxCode);
+  const ExposureTables tables(Response::gamma(2.2f), {}, 1);
+  const StateOptions options;
+  StateFilter filter(options, kRows, kCols, pool);
+  filter.resume(before, {});
+  filter.advance({clipped, tables, kUnseen},
+                 test::uniform_flow(kRows, kCols, static_cast<float>(step.dx), static_cast<float>(step.dy)));
+  const float aged =
+      kVariance * (1 + options.variance_growth) + std::pow(options.relative_growth * kSeen, 2.f);
+  int seen = 0, unseen = 0;
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x) {
+      // beside the edge of what is known its contrast counts, too
+      const auto was_known = [&](int by_x, int by_y) {
+        return known(std::clamp(x + step.dx + by_x, 0, kCols - 1),
+                     std::clamp(y + step.dy + by_y, 0, kRows - 1));
+      };
+      const int corners = was_known(-2, -2) + was_known(2, -2) + was_known(-2, 2) + was_known(2, 2);
+      if (corners % 4 != 0) continue;
+      CAPTURE(step.dx, step.dy, x, y);
+      const float radiance = filter.state().radiance.at(1, y, x),
+                  variance = filter.state().variance.at(1, y, x);
+      if (corners == 4) {
+        REQUIRE(radiance == Approx(kSeen).epsilon(0.005));
+        REQUIRE(variance == Approx(aged).epsilon(1e-3));
+        ++seen;
+      } else {
+        REQUIRE(radiance == Approx(kBound).epsilon(0.005));
+        REQUIRE(variance >= kUnseen);
+        ++unseen;
+      }
+    }
+  CHECK(seen > 100);
+  CHECK(unseen > 100);
+}
+
+TEST_CASE("light that changes slowly is followed, though every frame agrees with what was known before") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kFirst = 0.2f, kPerFrame = 1.005f;
+  WorkerPool pool(1);
+  const NoiseModel noise{.full_well = 5555, .read_noise = 0, .code_noise = 0};  // 3 % of that light
+  const ExposureTables tables(Response::gamma(2.2f), noise, 1);
+  StateFilter filter({}, kRows, kCols, pool);
+  ExposedFrame frame;
+  frame.codes = Image<float>(3, kRows, kCols);
+  float light = kFirst;
+  for (; frame.index < 60; ++frame.index, light *= kPerFrame) {
+    frame.codes.fill(tables.code(0, light));
+    if (frame.index == 0) {
+      filter.restart({frame, tables, kUnseen});
+      continue;
+    }
+    filter.advance({frame, tables, kUnseen}, test::uniform_flow(kRows, kCols));
+    // 1.1 % behind; 5 where light is expected to stay as it is
+    CAPTURE(frame.index);
+    for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(light).epsilon(0.02));
+  }
+}
+
+TEST_CASE("each channel has its own curve and its own noise") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kCode = 128;
+  const std::array<float, 3> exponents{1.6f, 2.2f, 3};
+  std::array<Response::Curve, 3> inverse{};
+  for (std::size_t c = 0; c < 3; ++c) inverse[c] = Response::gamma(exponents[c]).inverse(0);
+  const Response response(inverse);
+  // of coarse codes, whose steps are of another size in each channel
+  const NoiseModel coarse{.full_well = 1e6f, .read_noise = 0, .code_noise = 0, .code_step = 4};
+  const ExposureTables first(response, coarse, 0.5f), second(response, coarse, 1);
+  WorkerPool pool(1);
+  const StateOptions options;
+  StateFilter filter(options, kRows, kCols, pool);
+  ExposedFrame frame;
+  frame.exposure = 0.5f;
+  frame.codes = Image<float>(3, kRows, kCols);
+  frame.codes.fill(kCode);
+  filter.restart({frame, first, kUnseen});
+  std::array<float, 3> light{};
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = static_cast<std::size_t>(c);
+    CAPTURE(c);
+    light[channel] = 2 * inverse[channel][static_cast<std::size_t>(kCode)];
+    const float noise = std::sqrt(first.variance(c, light[channel])),
+                own = options.fusion.relative_noise * light[channel];
+    CHECK(filter.state().radiance.at(c, 9, 11) == Approx(light[channel]).epsilon(1e-3));
+    CHECK(filter.state().variance.at(c, 9, 11) == Approx(noise * noise + own * own).epsilon(1e-3));
+  }
+  frame.index = 1, frame.exposure = 1;
+  for (int c = 0; c < 3; ++c)
+    std::fill_n(frame.codes.plane(c), frame.codes.plane_size(),
+                second.code(c, light[static_cast<std::size_t>(c)]));
+  filter.advance({frame, second, kUnseen}, test::uniform_flow(kRows, kCols));
+  for (int c = 0; c < 3; ++c) {
+    CAPTURE(c);
+    CHECK(filter.state().radiance.at(c, 9, 11) == Approx(light[static_cast<std::size_t>(c)]).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("what samples were off by is forgotten with the response, and with the scene") {
+  constexpr int kRows = 20, kCols = 24;
+  WorkerPool pool(1);
+  const NoiseModel quiet{.full_well = 1e6f, .read_noise = 0, .code_noise = 0};
+  const ExposureTables tables(Response::gamma(2.2f), quiet, 1);
+  StateFilter filter({}, kRows, kCols, pool);
+  ExposedFrame frame;
+  frame.codes = Image<float>(3, kRows, kCols);
+  const auto show = [&](float code) {
+    frame.codes.fill(code);
+    if (frame.index++ == 0)
+      filter.restart({frame, tables, kUnseen});
+    else
+      filter.advance({frame, tables, kUnseen}, test::uniform_flow(kRows, kCols));
+  };
+  const auto excess = [&] {
+    float most = 0;
+    for (const auto& channel : filter.residuals().excess(1).bins)
+      most = std::max(most, std::ranges::max(channel));
+    return most;
+  };
+  show(128);
+  CHECK(excess() == 0);
+  show(132);
+  CHECK(excess() > 0);
+  filter.forget_residuals();
+  CHECK(excess() == 0);
+  show(128);
+  CHECK(excess() > 0);
+  filter.restart({frame, tables, kUnseen});
+  CHECK(excess() == 0);
 }
 
 TEST_CASE("what is clipped in every frame stays the highest lower bound, and is called unseen") {
