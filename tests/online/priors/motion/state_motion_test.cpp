@@ -182,6 +182,29 @@ TEST_CASE("what a frame clips is followed over it as fast as it moved before, th
   CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(kStep).margin(0.5));
 }
 
+TEST_CASE(
+    "after a pause motion is sought as much farther as the pause was longer, though a texture repeats") {
+  constexpr float kPeriod = 16, kStep = 6;  // pixels; three steps look like two pixels
+  const auto stripes = [&](int index) {
+    return frame_of(index, 1, [&](float x, float) {
+      return 100 + 60 * std::sin(6.2831853f * (x - kStep * static_cast<float>(index)) / kPeriod);
+    });
+  };
+  WorkerPool pool(1);
+  const ExposureTables tables(Response::linear(), {}, 1);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const ExposedFrame second = stripes(1);
+  const RadianceState at_first = state_of(stripes(0), tables, pool);
+  estimator.match(at_first, second, tables, {FlowQuality::Fine}, {}, motion);
+  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
+  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
+  const RadianceState at_second = state_of(second, tables, pool);
+  estimator.match(at_second, stripes(4), tables, {.flow = FlowQuality::Fine, .before_ratio = 3}, {}, motion);
+  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-3 * kStep).margin(0.5));
+  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(3 * kStep).margin(0.5));
+}
+
 TEST_CASE("what gains speed is followed over a frame that clips it to where it is, not to the middle") {
   constexpr float kAt[] = {0, 2, 6, 12};  // pixels: from one frame to the next 2, 4 and 6
   WorkerPool pool(1);
