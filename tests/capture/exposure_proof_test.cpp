@@ -366,6 +366,21 @@ TEST_CASE("pictures of one exposure prove nothing, the sensor's embedded data do
   }
 }
 
+TEST_CASE("the sensor's own word on its one exposure needs two pictures that agree with this one",
+          "[capture]") {
+  constexpr Exposure kOne[] = {k4};
+  const FrameEvidence evidence = claims({{k4, 1, ExposureSource::Embedded}});
+  Bench seen(kOne), blind(kOne), mixed(kOne);
+  for (int i = 0; i < 6; ++i) {
+    CAPTURE(i);
+    CHECK(seen.judge(k4, evidence).verdict == (i < 2 ? Verdict::Plausible : Verdict::Proved));
+    CHECK(blind.judge(evidence, dark()).verdict == Verdict::Plausible);
+    // where every second frame is dark the others have two to agree with from the third of them on
+    const Judgement judgement = i % 2 == 0 ? mixed.judge(k4, evidence) : mixed.judge(evidence, dark());
+    CHECK(judgement.verdict == (i == 4 ? Verdict::Proved : Verdict::Plausible));
+  }
+}
+
 TEST_CASE("a strobe pulse decides alone what pictures leave open", "[capture]") {
   Bench bench(kThree);
   FrameEvidence evidence = claims({predicted(k4)});
