@@ -101,6 +101,31 @@ TEST_CASE("the response is found from six frames of an unknown camera") {
   }
 }
 
+TEST_CASE("each channel has the curve that its own codes show") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  constexpr std::array<float, 3> kGammas{1.6f, 1.9f, 2.2f};
+  std::vector<ExposedFrame> frames = exposed(scene, 6);
+  std::array<Response::Curve, 3> inverse{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    scene.gamma = kGammas[c];
+    inverse[c] = Response::gamma(scene.gamma).inverse(0);
+    const std::vector<ExposedFrame> of_channel = exposed(scene, 6);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      std::ranges::copy_n(of_channel[i].codes.plane(static_cast<int>(c)),
+                          static_cast<std::ptrdiff_t>(frames[i].codes.plane_size()),
+                          frames[i].codes.plane(static_cast<int>(c)));
+  }
+  const Response found = estimated(frames).response;
+  const double error = response_error(found, Response(inverse));
+  INFO(error << " stop rms of all channels");
+  for (std::size_t turn = 1; turn < 3; ++turn) {  // the channels in another order
+    std::rotate(inverse.begin(), inverse.begin() + 1, inverse.end());
+    CHECK(response_error(found, Response(inverse)) > 2 * error);
+  }
+  CHECK(error < 0.1);
+}
+
 TEST_CASE("the models of a response that are there for comparison are what they are called") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
@@ -294,6 +319,11 @@ TEST_CASE("pairs that say nothing are left out") {
     frames[1].facts.flags |= kFrameExposureUnproved;
     CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
   }
+  SECTION("of a damaged picture") {
+    frames[1].facts.flags |= kFrameDamaged;
+    CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
+    CHECK_FALSE(estimator.add_pair(frames[1], frames[2]));
+  }
   SECTION("across a scene cut") {
     frames[1].codes = another_scene(scene.rows, scene.cols, 128, 100);
     CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
@@ -324,6 +354,29 @@ TEST_CASE(
     CHECK(matches.of(c).size() == HistogramMatches::kMostPairs);
     CHECK(matches.of(c).begin()->second.newest == kPairs - static_cast<int>(HistogramMatches::kMostPairs));
   }
+}
+
+TEST_CASE("of one pair of exposures the matches of the newest frames are kept, however long the stream") {
+  constexpr std::size_t kKept = 25 * std::size_t{HistogramMatches::kQuantiles}, kPairs = 40;
+  HistogramMatches matches;
+  const auto shown = [](float exposure) {
+    return frame_of(exposure, [&](int, int y, int x) {
+      return 255 * std::sqrt(exposure * static_cast<float>(x + y) / 900);
+    });
+  };
+  const ExposedFrame shorter = shown(0.5f), longer = shown(1);
+  std::size_t of_one = 0;
+  for (std::size_t pair = 0; pair < kPairs; ++pair) {
+    REQUIRE(matches.add(shorter, longer, SceneCuts::None));
+    for (std::size_t c = 0; c < 3; ++c) {
+      REQUIRE(matches.of(c).size() == 1);
+      const std::vector<CodeMatch>& codes = matches.of(c).begin()->second.codes;
+      if (pair == 0 && c == 0) of_one = codes.size();
+      REQUIRE(codes.size() == std::min(kKept, (pair + 1) * of_one));
+    }
+  }
+  CHECK(kPairs * of_one > kKept);
+  CHECK(matches.of(0).begin()->second.pairs == static_cast<int>(kPairs));
 }
 
 TEST_CASE("a step of four stops over lamps and shadows is no scene cut") {
