@@ -6,6 +6,7 @@
 
 #include "hal/core/median.h"
 #include "online/response/response_estimator.h"
+#include "online/state/state_layer.h"
 #include "render/emission.h"
 #include "tests/online/online_stream.h"
 #include "tests/support/moving_scene.h"
@@ -67,6 +68,34 @@ TEST_CASE("a response that the sensor's noise alone told is measured") {
   CHECK(sensor.response_measured());
   CHECK(response_error(sensor.response(), Response::linear()) <
         0.5 * response_error(prior_mean_response(), Response::linear()));
+}
+
+TEST_CASE("a gain over that of the first frame makes a sample as noisy as so much fewer electrons do") {
+  const test::MovingScene scene;
+  const Response response = Response::gamma(scene.gamma);
+  WorkerPool pool(1);
+  const auto state = make_state_layer({}, scene.rows, scene.cols, pool, nullptr);
+  for (const double first_gain : {1.0, 2.5}) {
+    SensorModel sensor(state_alone(), scene.camera(), response, *state, pool);
+    const auto frame_at = [&](double gain) {  // all of one exposure
+      ExposedFrame frame;
+      frame.facts.exposure_s = 0.004 * first_gain / gain;
+      frame.facts.analogue_gain = gain;
+      return frame;
+    };
+    const ExposedFrame usual = frame_at(first_gain), amplified = frame_at(4 * first_gain);
+    sensor.meet(usual);
+    NoiseModel quarter = sensor.noise();
+    quarter.full_well /= 4;
+    const ExposureTables of_all(response, sensor.noise(), 1), of_quarter(response, quarter, 1);
+    for (const float x : {0.01f, 0.1f, 0.5f}) {
+      CAPTURE(first_gain, x);
+      CHECK(sensor.tables_for(usual).variance(1, x) == Approx(of_all.variance(1, x)));
+      CHECK(sensor.tables_for(amplified).variance(1, x) == Approx(of_quarter.variance(1, x)));
+    }
+    // where the noise of codes is the least part
+    CHECK(sensor.tables_for(amplified).variance(1, 0.01f) > 4 * sensor.tables_for(usual).variance(1, 0.01f));
+  }
 }
 
 TEST_CASE("noise that single frames do not tell is learned from pairs of them") {

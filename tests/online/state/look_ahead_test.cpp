@@ -1,5 +1,7 @@
 #include "online/state/look_ahead.h"
 
+#include <utility>
+
 #include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
@@ -29,6 +31,36 @@ TEST_CASE("a frame that shows a flash keeps it, though the next one shows the da
   CHECK(joined(1, 0.18f) == Approx(0.18f).epsilon(0.05));   // nearly clipped: it may be the same surface
   CHECK(joined(0.2f, 0.1f) == Approx(0.1f).epsilon(0.05));  // a bound that the next frame's white is beyond
   CHECK(joined(1, 0.1f, true) == Approx(0.1f).epsilon(0.05));  // a longer frame's own bound is lower
+}
+
+TEST_CASE("the share of later frames is how much more is known of a pixel with all of them than before") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kLight = 0.3f, kVariance = 9e-4f;  // known to a tenth
+  WorkerPool pool(1);
+  const FlowField still = test::uniform_flow(kRows, kCols);
+  RadianceState known{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  known.radiance.fill(kLight), known.variance.fill(kVariance);
+  const ExposureTables of_next(Response::gamma(2.2f), {}, 0.5f), of_after(Response::gamma(2.2f), {}, 1);
+  ExposedFrame next, after;
+  next.index = 1, next.exposure = 0.5f, after.index = 2, after.exposure = 1;
+  for (const auto& [frame, tables] : {std::pair(&next, &of_next), std::pair(&after, &of_after)}) {
+    frame->codes = Image<float>(3, kRows, kCols);
+    frame->codes.fill(tables->code(1, kLight));
+  }
+  const LaterFrame later[] = {{&next, &still, &of_next, true}, {&after, &still, &of_after, false}};
+  float before = 0;
+  for (const std::size_t frames : {1u, 2u}) {
+    Fusion fusion({}, pool);
+    JoinedState joined;
+    LookAhead(pool).join(known, {later, frames}, unseen_variance_from(4), fusion, joined);
+    CAPTURE(frames);
+    const float share = joined.later_share.at(0, 9, 11);
+    CHECK(joined.radiance.at(1, 9, 11) == Approx(kLight).epsilon(0.005));
+    CHECK(share == Approx(1 - joined.variance.at(1, 9, 11) / kVariance).margin(1e-4));
+    CHECK(share > before + 0.01f);
+    before = share;
+  }
 }
 
 TEST_CASE("the blur of a later frame is a part of the path to it, also where a frame between was lost") {
