@@ -80,7 +80,7 @@ CameraCapabilities described_sensor() {
   return camera;
 }
 
-TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that it had") {
+TEST_CASE("a sensor does what it is asked for, and gets back the exposure, the gain and the frame duration") {
   SensorDriver driver;
   const auto before = driver.values;
   const test::AnsweredIoctl kernel(
@@ -93,8 +93,11 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
     REQUIRE(fixed.has_value());
     CHECK(std::abs((*fixed - frame).count()) < 40'000);
     require_done(control.write({.exposure = std::chrono::milliseconds(5), .analogue_gain = 2}));
+    // in lines of 33.3 us; the gain of a code is 256 / (256 - code)
+    CHECK(driver.values[V4L2_CID_VBLANK] == 30 * frame / std::chrono::milliseconds(1) - kHeight);
+    CHECK(driver.values[V4L2_CID_EXPOSURE] == 150);
+    CHECK(driver.values[V4L2_CID_ANALOGUE_GAIN] == 128);
   }
-  CHECK(driver.values != before);
   control.give_back();
   CHECK(driver.values == before);
 }
