@@ -14,8 +14,6 @@
 using namespace hdrcam;
 using Catch::Contains;
 
-namespace {}  // namespace
-
 TEST_CASE("a recording gives back every bit of every frame, in every codec, layout and depth") {
   const std::string folder = sample::scratch_folder("roundtrip");
   for (const auto layout :
