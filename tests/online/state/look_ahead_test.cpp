@@ -63,6 +63,38 @@ TEST_CASE("the share of later frames is how much more is known of a pixel with a
   }
 }
 
+TEST_CASE("the second interval of a path is read where the first one leads, and trusted as it is there") {
+  constexpr int kRows = 20, kCols = 64, kTurn = 32, kLost = 40;  // columns of the next frame
+  constexpr float kClipped = 16;                                 // exposure of the next frame
+  WorkerPool pool(1);
+  RadianceState unseen{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                       Image<float>(1, kRows, kCols)};
+  unseen.radiance.fill(0.01f), unseen.variance.fill(kUnseenVariance);
+  const FlowField first = test::uniform_flow(kRows, kCols, 8);
+  FlowField second = test::uniform_flow(kRows, kCols, 4);
+  const ExposureTables of_next(Response::linear(), {}, kClipped), of_after(Response::linear(), {}, 1);
+  ExposedFrame next, after;
+  next.index = 1, next.exposure = kClipped, after.index = 2;
+  next.codes = Image<float>(3, kRows, kCols), after.codes = Image<float>(3, kRows, kCols);
+  next.codes.fill(kMaxCode);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x) {
+      for (int c = 0; c < 3; ++c) after.codes.at(c, y, x) = static_cast<float>(40 + x);
+      if (x >= kTurn) second.vectors.at(0, y, x) = -4;
+      if (x >= kLost) second.confidence.at(0, y, x) = 0;
+    }
+  const LaterFrame later[] = {{&next, &first, &of_next}, {&after, &second, &of_after, true}};
+  Fusion fusion({}, pool);
+  JoinedState joined;
+  LookAhead(pool).join(unseen, later, unseen_variance_from(4), fusion, joined);
+  for (const int x : {4, 10, 20, 27, 30}) {
+    const int leads_to = x + 8 + (x + 8 < kTurn ? 4 : -4);
+    CAPTURE(x, leads_to);
+    CHECK(joined.radiance.at(1, 9, x) == Approx(static_cast<float>(40 + leads_to) / 255).epsilon(0.01));
+  }
+  for (const int x : {34, 38}) CHECK(joined.radiance.at(1, 9, x) == Approx(1 / kClipped));  // of the next one
+}
+
 TEST_CASE("the blur of a later frame is a part of the path to it, also where a frame between was lost") {
   ExposedFrame next, after;
   next.interval_s = after.interval_s = 1 / 30., next.blur_fraction = 0.4f, after.blur_fraction = 0.8f;
