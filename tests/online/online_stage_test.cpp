@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -418,6 +419,43 @@ TEST_CASE("white is that of the last frames' exposures, also when the light has 
   CHECK(whites[10] == Approx(4).epsilon(0.01));
   CHECK(whites[25] == Approx(4).epsilon(0.01));  // the state still holds what those exposures showed
   CHECK(whites.back() == Approx(4 / kFall).epsilon(0.01));
+}
+
+TEST_CASE("black is what the longest of the last exposures shows black, channel by channel") {
+  constexpr float kShort = 0.25f, kLong = 4, kLight = 0.1f;
+  constexpr int kBlackCode = 2, kBoth = 12, kFrames = 60;
+  const test::MovingScene scene;
+  std::array<Response::Curve, 3> inverse{};
+  for (std::size_t c = 0; c < 3; ++c)
+    inverse[c] = Response::gamma(1.6f + 0.5f * static_cast<float>(c)).inverse(0);
+  const Response response(inverse);
+  WorkerPool pool(1);
+  Knobs options = state_alone();
+  options.look_ahead = 0;
+  OnlineStage online(options, scene.camera(), response, pool);
+  std::vector<std::array<float, 3>> darkest;
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    darkest.push_back(estimate.darkest);
+    return {};
+  };
+  for (int i = 0; i < kFrames; ++i) {
+    ExposedFrame frame;
+    frame.index = i, frame.exposure = i < kBoth && i % 2 == 1 ? kLong : kShort;
+    frame.interval_s = 1 / scene.framerate_hz;
+    frame.facts.timestamp = Instant::from_seconds(i / scene.framerate_hz);
+    frame.codes = Image<float>(3, scene.rows, scene.cols);
+    for (int c = 0; c < 3; ++c)
+      std::fill_n(frame.codes.plane(c), frame.codes.plane_size(),
+                  response.code_of(c, kLight * frame.exposure));
+    REQUIRE(online.ingest(frame, {}, emit).ok());
+  }
+  REQUIRE(online.finish(emit).ok());
+  REQUIRE(darkest.size() == kFrames);
+  for (std::size_t c = 0; c < 3; ++c) {
+    CAPTURE(c);
+    CHECK(darkest[kBoth][c] == Approx(inverse[c][kBlackCode] / kLong).epsilon(0.02));
+    CHECK(darkest.back()[c] == Approx(inverse[c][kBlackCode] / kShort).epsilon(0.02));
+  }
 }
 
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
