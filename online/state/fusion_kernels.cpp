@@ -232,7 +232,7 @@ void age(const AgedRow& row, int n) {
                    get<V>(row.per_contrast + x) * get<V>(row.contrast + x);
     const V lost_variance = all<V>(row.lost_variance), doubted = aged / most(gate, all<V>(kLeastGate));
     V lost = doubted < row.lost_variance ? doubted : lost_variance;
-    lost = gate < row.floor ? lost_variance : lost;
+    lost = gate <= row.floor ? lost_variance : lost;
     const V guess =
         aged < row.unseen_from ? most(aged, guessed(s, get<V>(row.sample + x), row.least)) : lost_variance;
     put<V>(row.new_variance + x, get<V>(row.weight + x) < kClipped ? lost : least(lost, guess));

@@ -92,7 +92,7 @@ struct AgedRow {
   const float *sample, *weight;          // the new frame's
   const float *contrast, *per_contrast;  // what the warp adds
   float growth, relative2;               // of the variance, and of radiance squared
-  float floor;                           // of the gate: below it the state shows something else
+  float floor;                           // of the gate: up to it the state shows something else
   float unseen_from;
   float lost_variance;  // of a pixel that is lost
   float least;          // radiance that the sample cannot tell from none

@@ -25,7 +25,7 @@ void main() {
   const float added = warp_variance(motion[at(0, y, x)], motion[at(1, y, x)], misalignment2) * contrast[at(c, y, x)];
   const float aged = v * growth + relative2 * s * s + added;
   const float doubted = aged / max(kLeastGate, g);
-  const float lost = g < gate_floor || !(doubted < lost_variance) ? lost_variance : doubted;
+  const float lost = g <= gate_floor || !(doubted < lost_variance) ? lost_variance : doubted;
   const float guess = aged < unseen_from ? max(aged, guessed(c, s, samples[at(c, y, x)])) : lost_variance;
   state[at(kVariance + c, y, x)] = samples[at(kWeight + c, y, x)] < kClipped ? lost : min(lost, guess);
 }

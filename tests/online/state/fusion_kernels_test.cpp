@@ -299,7 +299,7 @@ TEST_CASE("what is carried grows uncertain with time, warp and doubt, but never 
     for (std::size_t x = 0; x < size; ++x) {
       const float aged =
           variance[x] * kGrowth + kRelative2 * state[x] * state[x] + per_contrast[x] * contrast[x];
-      const float lost = gate[x] < kFloor ? kUnseen : std::min(kUnseen, aged / gate[x]);
+      const float lost = gate[x] <= kFloor ? kUnseen : std::min(kUnseen, aged / gate[x]);
       const float guessed = std::max({state[x], sample[x], kLeast});
       const float guess = aged < kKnown ? std::max(aged, guessed * guessed) : kUnseen;
       expected[x] = weight[x] < 0.05f ? lost : std::min(lost, guess);

@@ -243,6 +243,21 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
   CHECK(highest == Approx(4));
 }
 
+TEST_CASE("what is clipped where it was dark is something else, though the place is surely the same") {
+  constexpr int kRows = 20, kCols = 24;
+  WorkerPool pool(1);
+  const ExposureTables tables(Response::gamma(2.2f), {}, 1);
+  ExposedFrame frame;
+  frame.codes = Image<float>(3, kRows, kCols);
+  frame.codes.fill(tables.code(0, 0.05f));
+  StateFilter filter({}, kRows, kCols, pool);
+  filter.restart({frame, tables, kUnseen});
+  frame.index = 1, frame.codes.fill(kMaxCode);
+  filter.advance({frame, tables, kUnseen}, test::uniform_flow(kRows, kCols));  // of no doubt
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l == 1);
+  for (const float v : filter.state().variance.samples()) REQUIRE(v >= kUnseen);
+}
+
 TEST_CASE("what is clipped is called unseen by day after a night, too, and its bound rises with the light") {
   constexpr int kRows = 20, kCols = 24;
   constexpr float kNight = 1, kDay = 4e-6f;
