@@ -1,13 +1,15 @@
 #include "firmware_host/log_format.h"
-#include "hal/core/json_text.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {

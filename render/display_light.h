@@ -5,8 +5,6 @@
 // below the shoulder's knee is exact. Immutable values; reentrant.
 #pragma once
 
-#include <array>
-
 #include "hal/core/image.h"
 
 namespace hdrcam {

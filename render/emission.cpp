@@ -1,5 +1,6 @@
 #include "render/emission.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "online/mu_law.h"

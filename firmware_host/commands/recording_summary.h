@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/recording.h"

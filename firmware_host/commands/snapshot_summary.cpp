@@ -1,6 +1,6 @@
 #include "firmware_host/commands/snapshot_summary.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,6 @@
 // and `record` share it. Thread-bound, except status() and what RunControl names.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <atomic>
-#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>

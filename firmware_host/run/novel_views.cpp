@@ -9,6 +9,7 @@
 #include "render/scores/order_statistics.h"
 
 namespace hdrcam {
+
 Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
                                     const std::string& folder, ExrCompression compression, WorkerPool& pool) {
   NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", compression,

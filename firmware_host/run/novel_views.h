@@ -4,8 +4,8 @@
 // true depth over the field's. Thread-bound.
 #pragma once
 
+#include <cstdint>
 #include <map>
-#include <memory>
 #include <string>
 
 #include "hal/core/worker_pool.h"

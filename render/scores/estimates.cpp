@@ -1,5 +1,6 @@
 #include "render/scores/estimates.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 

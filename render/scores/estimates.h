@@ -2,7 +2,6 @@
 // (000007.exr, 0007.exr). Thread-bound; returns fresh images.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
