@@ -258,13 +258,7 @@ Result<void> VirtualCamera::film(const Show& show) {
   }
   label(shown_);
   FrameRecord record;
-  record.sequence = frame_.facts.sequence;
-  record.time_s = plan_.playback_s(shown_);
-  record.exposure = static_cast<double>(frame_.exposure);
-  record.pose = frame_.pose;
-  record.exposure_source = frame_.facts.exposure_source;
-  record.verdict = frame_.facts.verdict;
-  record.provenance_share = provenance_shares(frame_.provenance);
+  describe_frame(frame_, plan_.playback_s(shown_), record);
   pixels_ += frame_.provenance.size();
   filled_pixels_ += static_cast<std::uint64_t>(
       std::ranges::count(frame_.provenance.samples(), static_cast<std::uint8_t>(Provenance::Field)));

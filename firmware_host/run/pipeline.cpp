@@ -92,15 +92,9 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
       record_.note =
           fmt::format("{} of {} steps rolled back", estimate.fit->rolled_back, estimate.fit->steps);
   }
-  record_.sequence = frame_.facts.sequence;
-  record_.time_s = to_seconds(frame_.facts.timestamp - *first_time_);
-  record_.exposure = static_cast<double>(frame_.exposure);
-  record_.exposure_source = frame_.facts.exposure_source;
-  record_.verdict = frame_.facts.verdict;
-  record_.pose = frame_.pose;
+  describe_frame(frame_, to_seconds(frame_.facts.timestamp - *first_time_), record_);
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
-  record_.provenance_share = provenance_shares(frame_.provenance);
   auto delivered = deliver(frame_, estimate, record_);
   record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
   record_.fit_steps = 0;

@@ -33,6 +33,16 @@ void add_to(FrameValues& values, const NamedValue& more) {
   values.push_back(more);
 }
 
+void describe_frame(const HdrFrame& frame, double time_s, FrameRecord& record) {
+  record.sequence = frame.facts.sequence;
+  record.time_s = time_s;
+  record.exposure = static_cast<double>(frame.exposure);
+  record.exposure_source = frame.facts.exposure_source;
+  record.verdict = frame.facts.verdict;
+  record.pose = frame.pose;
+  record.provenance_share = provenance_shares(frame.provenance);
+}
+
 std::vector<StageSummary> stage_summaries(const RunRecord& record) {
   std::vector<std::string> names;
   std::vector<std::vector<double>> times_ms;

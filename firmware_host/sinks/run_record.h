@@ -45,6 +45,10 @@ struct FrameRecord {
   std::string note;  // unusual events in words: "step rolled back"; usually empty
 };
 
+// What the frame itself tells: its number, exposure, verdict, pose and provenance. time_s: since the first
+// frame. The work on it is for others to fill in.
+void describe_frame(const HdrFrame& frame, double time_s, FrameRecord& record);
+
 // [rgb][code] relative exposure, as Response::inverse
 using ResponseCurves = std::array<Response::Curve, 3>;
 
