@@ -15,10 +15,10 @@
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/run/record_keeping.h"
+#include "firmware_host/run/run_sinks.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_name.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -145,12 +145,7 @@ Result<void> Run::to_end(std::string& where) {
 
 Result<void> Run::open_outputs() {
   const Settings::Output& output = plan_.settings.output;
-  CameraFacts filming = camera_;  // the camera that the sinks see
-  if (plan_.film != nullptr) filming.framerate_hz = plan_.film->framerate_hz;
-  sinks_ = TRY(SinkSet::open(plan_.sinks, output.paths,
-                             {"", filming, output.layers, compression_of(output, pace_), plan_.settings.video,
-                              storage_, output.http_token, source_.control(), plan_.trace},
-                             pace_));
+  sinks_ = TRY(open_sinks(plan_, camera_, pace_, source_.control(), storage_));
   if (scene_) TRY(scene_->name_file(storage_, output.path(Settings::Output::kSnapshot)));
   if (!plan_.truth.empty())
     novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path(sink_name::kFrames)),

@@ -9,8 +9,8 @@
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/run/record_keeping.h"
+#include "firmware_host/run/run_sinks.h"
 #include "firmware_host/sinks/earlier_frames.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
@@ -35,7 +35,7 @@ class SnapshotFilm {
 
   // where: a list of the outputs, for the user.
   Result<void> to_end(const std::string& note, std::string& where) {
-    TRY(open_outputs());
+    sinks_ = TRY(open_sinks(plan_, scene_.camera, RunPace::Clip, nullptr, storage_));
     Stopwatch wall;
     film_.take(scene_);
     between_shows_ = {};
@@ -54,17 +54,6 @@ class SnapshotFilm {
   }
 
  private:
-  Result<void> open_outputs() {
-    const Settings::Output& output = plan_.settings.output;
-    CameraFacts filming = scene_.camera;
-    filming.framerate_hz = plan_.film->framerate_hz;
-    sinks_ = TRY(SinkSet::open(plan_.sinks, output.paths,
-                               {"", filming, output.layers, compression_of(output, RunPace::Clip),
-                                plan_.settings.video, storage_, output.http_token, nullptr, plan_.trace},
-                               RunPace::Clip));
-    return {};
-  }
-
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
     ++record_.captured;
     FrameRecord& kept = keep(made, most_records_, record_);
