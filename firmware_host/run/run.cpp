@@ -40,6 +40,12 @@ std::optional<double> loss_of(const FrameRecord& record) {
   return record.losses.empty() ? std::nullopt : std::optional(record.losses.front().value);
 }
 
+// What the run itself did with a frame, behind the pipeline.
+void add_stage(Stage stage, double ms, FrameRecord& kept) {
+  kept.stages_ms.push_back({name(stage), ms});
+  kept.total_ms += ms;
+}
+
 // The path of a frame: from the source through the method to the outputs.
 class Run {
  public:
@@ -211,9 +217,7 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
     TRY(sinks_.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
   }
   if (sinks_.empty() && !scene_) return {};
-  const double ms = watch.lap_ms();
-  kept.stages_ms.push_back({name(Stage::Sinks), ms});
-  kept.total_ms += ms;
+  add_stage(Stage::Sinks, watch.lap_ms(), kept);
   return {};
 }
 
@@ -241,9 +245,7 @@ void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
   Stopwatch watch;
   const auto request =
       choice_->observe(estimate, {sensor().response(), sensor().noise(), sensor().reference_gain()});
-  const double ms = watch.lap_ms();
-  kept.stages_ms.push_back({name(Stage::Exposures), ms});
-  kept.total_ms += ms;
+  add_stage(Stage::Exposures, watch.lap_ms(), kept);
   if (!request) return;
   if (!source_.follow(request->cycle)) return;  // the cycle before goes on
   choice_->runs(*request);
