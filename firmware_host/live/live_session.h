@@ -155,8 +155,9 @@ class LiveSession {
 
   mutable std::mutex mutex_;  // guards the members below
   LiveCounters counters_;
-  std::array<Arrival, 64> arrivals_{};  // of the frames in the fit, the latest last
-  std::size_t arrival_count_ = 0;
+  static constexpr std::size_t kArrivals = 64;  // more than the fit holds of frames that it has not emitted
+  std::array<Arrival, kArrivals> arrivals_{};   // a ring, of the frames that the fit took last
+  std::size_t arrival_count_ = 0;               // of all that it took
   std::optional<Instant> first_arrival_;
   std::optional<LearnedResponse> learned_;
   std::optional<std::vector<Exposure>> followed_;  // the cycle that the fit asked for last
