@@ -100,7 +100,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
             recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
             camera->takes_account());
   show_warnings(*camera);
-  if (const std::string advice = way_out(counters, settings, record); !advice.empty())
+  if (const std::string advice = advice_to_keep_up(counters, settings, record); !advice.empty())
     remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;

@@ -7,10 +7,43 @@
 #include "firmware_host/whole_percent.h"
 
 namespace hdrcam {
+namespace {
 
-std::string live_line(double seconds, const LiveCounters& counters, LiveWork work) {
+// The output for which the fit waited longer than it worked; null where it did not. One that leaves frames
+// out does not keep the fit waiting.
+const SinkTimes* output_waited_for(const RunRecord& record) {
+  const double method_ms = method_summary(record).mean_ms;
+  if (mean_ms_per_frame(record) <= 2 * method_ms) return nullptr;
+  const SinkTimes* slowest = nullptr;
+  for (const SinkTimes& sink : record.sinks)
+    if (sink.left_out == 0 && (slowest == nullptr || sink.total_ms > slowest->total_ms)) slowest = &sink;
+  return slowest;
+}
+
+// None of a run without a trigger.
+std::vector<NamedValue> trigger_values(const TriggerCounters& trigger) {
+  if (trigger.pulses == 0) return {};
+  std::vector<NamedValue> list;
+  const auto count = [&](const char* name, std::uint64_t value) {
+    list.push_back({name, static_cast<double>(value)});
+  };
+  count("trigger.pulses", trigger.pulses);
+  count("trigger.late", trigger.late);
+  count("trigger.left_out", trigger.left_out);
+  count("trigger.answered", trigger.answered);
+  count("trigger.unanswered", trigger.unanswered);
+  count("trigger.unasked", trigger.spurious);  // the key of earlier versions
+  list.push_back({"trigger.edge_us_mean", to_seconds(trigger.edge_mean) * 1e6});
+  list.push_back({"trigger.edge_us_p99", to_seconds(trigger.edge_p99) * 1e6});
+  list.push_back({"trigger.edge_us_most", to_seconds(trigger.edge_most) * 1e6});
+  return list;
+}
+
+}  // namespace
+
+std::string live_line(double elapsed_s, const LiveCounters& counters, LiveWork work) {
   const CaptureCounters& camera = counters.camera;
-  std::string line = fmt::format("{:.1f} s  captured {}", seconds, counters.captured());
+  std::string line = fmt::format("{:.1f} s  captured {}", elapsed_s, counters.captured());
   if (work == LiveWork::Fit)
     line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
                         to_seconds(counters.latency) * 1e3);
@@ -22,8 +55,8 @@ std::string live_line(double seconds, const LiveCounters& counters, LiveWork wor
 
 void LiveStatus::update() {
   if (!line_.due()) return;
-  seconds_ += watch_.lap_ms() * 1e-3;
-  line_.show(live_line(seconds_, session_.counters(), work_));
+  elapsed_s_ += watch_.lap_ms() * 1e-3;
+  line_.show(live_line(elapsed_s_, session_.counters(), work_));
 }
 
 std::string sentence_of(const LiveCounters& counters, LiveWork work) {
@@ -51,22 +84,8 @@ std::string sentence_of(const LiveCounters& counters, LiveWork work) {
   return text;
 }
 
-namespace {
-
-// The output for which the fit waited longer than it worked; null where it did not. One that leaves frames
-// out does not keep the fit waiting.
-const SinkTimes* output_waited_for(const RunRecord& record) {
-  const double method_ms = method_summary(record).mean_ms;
-  if (mean_ms_per_frame(record) <= 2 * method_ms) return nullptr;
-  const SinkTimes* slowest = nullptr;
-  for (const SinkTimes& sink : record.sinks)
-    if (sink.left_out == 0 && (slowest == nullptr || sink.total_ms > slowest->total_ms)) slowest = &sink;
-  return slowest;
-}
-
-}  // namespace
-
-std::string way_out(const LiveCounters& counters, const Settings& settings, const RunRecord& record) {
+std::string advice_to_keep_up(const LiveCounters& counters, const Settings& settings,
+                              const RunRecord& record) {
   if (counters.shed + counters.left_out == 0) return "";
   const SinkTimes* output = output_waited_for(record);
   const std::string slow = output == nullptr
@@ -94,29 +113,6 @@ std::string way_out(const LiveCounters& counters, const Settings& settings, cons
                      settings.fit.preset == Preset::Realtime ? "" : "--preset realtime, ",
                      counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);
 }
-
-namespace {
-
-// None of a run without a trigger.
-std::vector<NamedValue> trigger_values(const TriggerCounters& trigger) {
-  if (trigger.pulses == 0) return {};
-  std::vector<NamedValue> list;
-  const auto count = [&](const char* name, std::uint64_t value) {
-    list.push_back({name, static_cast<double>(value)});
-  };
-  count("trigger.pulses", trigger.pulses);
-  count("trigger.late", trigger.late);
-  count("trigger.left_out", trigger.left_out);
-  count("trigger.answered", trigger.answered);
-  count("trigger.unanswered", trigger.unanswered);
-  count("trigger.unasked", trigger.spurious);  // the key of earlier versions
-  list.push_back({"trigger.edge_us_mean", to_seconds(trigger.edge_mean) * 1e6});
-  list.push_back({"trigger.edge_us_p99", to_seconds(trigger.edge_p99) * 1e6});
-  list.push_back({"trigger.edge_us_most", to_seconds(trigger.edge_most) * 1e6});
-  return list;
-}
-
-}  // namespace
 
 std::vector<NamedValue> named(const LiveCounters& counters) {
   const CaptureCounters& camera = counters.camera;

@@ -13,7 +13,7 @@
 namespace hdrcam {
 
 // Returns text like "12.0 s captured 360 emitted 118 dropped 240 latency 210 ms exposure proved 100 %".
-std::string live_line(double seconds, const LiveCounters& counters, LiveWork work);
+std::string live_line(double elapsed_s, const LiveCounters& counters, LiveWork work);
 
 // Shows that line on the terminal during a run. Thread-bound; the session outlives it.
 class LiveStatus {
@@ -26,7 +26,7 @@ class LiveStatus {
   const LiveWork work_;
   StatusLine line_;
   Stopwatch watch_;
-  double seconds_ = 0;
+  double elapsed_s_ = 0;
 };
 
 // "captured 300 = emitted 298 + dropped 2 (2 shed, the fit or an output was busy)", and the camera's lost
@@ -35,7 +35,8 @@ std::string sentence_of(const LiveCounters& counters, LiveWork work);
 
 // What gives more HDR frames where the fit or an output did not keep up, a sentence without a full stop; ""
 // where all did.
-std::string way_out(const LiveCounters& counters, const Settings& settings, const RunRecord& record);
+std::string advice_to_keep_up(const LiveCounters& counters, const Settings& settings,
+                              const RunRecord& record);
 
 // Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);

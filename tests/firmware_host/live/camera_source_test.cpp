@@ -181,7 +181,7 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
   CHECK(counters.recorded - counters.in_takes == sequences_in(settings.record.file).size());
   CHECK(counters.in_takes >= 10);
   counters.shed = 1;
-  CHECK(way_out(counters, settings, {}).find("all frames are recorded") == std::string::npos);
+  CHECK(advice_to_keep_up(counters, settings, {}).find("all frames are recorded") == std::string::npos);
 }
 
 TEST_CASE("a recording that a person starts and stops between two frames is named, for its file is there") {

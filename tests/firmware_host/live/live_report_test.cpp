@@ -42,13 +42,13 @@ TEST_CASE("where the fit waits for its outputs longer than it works, the slowest
       {.name = "frames", .frames = 8, .total_ms = 160},
       {.name = "video", .frames = 8, .total_ms = 1152},
       {.name = "preview", .frames = 8, .left_out = 90, .total_ms = 2000}};  // keeps nobody waiting
-  const std::string slow = way_out(with_shed_frames(), settings, record);
+  const std::string slow = advice_to_keep_up(with_shed_frames(), settings, record);
   CHECK_THAT(slow, Catch::StartsWith("the output 'out.mp4' (144 ms a frame; the fit 12 ms) did not keep up"));
   CHECK_THAT(slow, !Catch::Contains("--preset"));
   record.frames = record_of(60, 20).frames;
-  CHECK_THAT(way_out(with_shed_frames(), settings, record),
+  CHECK_THAT(advice_to_keep_up(with_shed_frames(), settings, record),
              Catch::StartsWith("the fit did not keep up with the camera; give --preset realtime"));
-  CHECK(way_out({}, settings, record).empty());
+  CHECK(advice_to_keep_up({}, settings, record).empty());
 }
 
 }  // namespace
