@@ -56,6 +56,12 @@ std::uint64_t off_pulses(const CaptureCounters& camera, TriggerMode mode) {
   return mode == TriggerMode::PulseWidth ? without + camera.relabelled + camera.contradicted : without;
 }
 
+// Whether so many of a run's frames are more than an accident.
+bool are_many(std::uint64_t frames, std::uint64_t of_all) {
+  constexpr std::uint64_t kOneIn = 10;
+  return kOneIn * frames > of_all;
+}
+
 }  // namespace
 
 Result<void> check_lines(const Settings& settings) {
@@ -116,7 +122,7 @@ std::string CameraLines::sentence(const CaptureCounters& camera) const {
   const auto answers = strobe_ != nullptr ? TriggerAnswers::Heard : TriggerAnswers::NotHeard;
   std::string text = sentence_of(camera.trigger, sync_.trigger_line, trigger_->options(), answers);
   if (!realtime()) text += "; not scheduled in real time";
-  if (const std::uint64_t odd = off_pulses(camera, sync_.trigger); 10 * odd > camera.captured)
+  if (const std::uint64_t odd = off_pulses(camera, sync_.trigger); are_many(odd, camera.captured))
     text += fmt::format(
         "; {} of {} do not fit the pulses: check --timestamp, and that the sensor waits for its trigger", odd,
         counted(camera.captured, "frame"));
@@ -126,7 +132,7 @@ std::string CameraLines::sentence(const CaptureCounters& camera) const {
 std::string CameraLines::strobe_sentence(const CaptureCounters& camera) const {
   constexpr std::uint64_t kSome = 8;  // more than a beginning costs
   if (!strobe_ || camera.captured == 0) return "";
-  if (camera.strobe_misfits >= kSome && 10 * camera.strobe_misfits > camera.captured)
+  if (camera.strobe_misfits >= kSome && are_many(camera.strobe_misfits, camera.captured))
     return fmt::format(
         "strobe line '{}': the pulses of {} of {} are not as long as their exposures; check --strobe-delay, "
         "--timestamp and --sync-active-low, and that the camera does these exposures",
