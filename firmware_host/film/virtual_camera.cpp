@@ -13,13 +13,10 @@ namespace hdrcam {
 namespace {
 
 constexpr double kSameTime_s = 1e-7;
-
-// The recorded lens for another size: the picture is covered, and cropped where its shape differs.
-Intrinsics lens_for(const Intrinsics& lens, int rows, int cols, int new_rows, int new_cols) {
-  const double scale = std::max(static_cast<double>(new_cols) / cols, static_cast<double>(new_rows) / rows);
-  return {lens.fx_px * scale, lens.fy_px * scale, (lens.cx_px - 0.5 * cols) * scale + 0.5 * new_cols,
-          (lens.cy_px - 0.5 * rows) * scale + 0.5 * new_rows};
-}
+constexpr double kSameShare = 1e-5;  // of an interval: so near to its end a frame is shown as it is
+// What nearly all pixels do is found from some: from every 7th of a flow, every 3rd along both axes of a way.
+constexpr std::size_t kFlowStride = 7;
+constexpr int kWayStep_px = 3;
 
 template <class T>
 void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
@@ -33,8 +30,9 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
 
 // What nearly all of them stay within; 0 where there are none.
 double nearly_greatest(std::vector<float>& values) {
+  constexpr std::size_t kNearlyAll = 99;  // of 100
   if (values.empty()) return 0;
-  const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * kNearlyAll / 100);
   std::nth_element(values.begin(), high, values.end());
   return static_cast<double>(*high);
 }
@@ -43,11 +41,12 @@ double nearly_greatest(std::vector<float>& values) {
 // through it, with a z of 1; views: of the camera that ray and depth are of, as each of them sees it.
 double seen_way_px(const Eigen::Vector3d& ray, double inverse_depth, std::span<const RigidTransform> views,
                    const Intrinsics& lens) {
+  constexpr double kNearest = 1e-3;  // z over that of the ray
   double way_px = 0;
   std::optional<Eigen::Vector2d> last_px;
   for (const RigidTransform& T_view_recorded : views) {
     const Eigen::Vector3d seen = T_view_recorded.R * ray + T_view_recorded.t * inverse_depth;
-    if (seen.z() < 1e-3) return 0;
+    if (seen.z() < kNearest) return 0;
     const Eigen::Vector2d at_px(lens.fx_px * seen.x() / seen.z(), lens.fy_px * seen.y() / seen.z());
     if (last_px) way_px += (at_px - *last_px).norm();
     last_px = at_px;
@@ -143,7 +142,7 @@ KeyframeInterval VirtualCamera::interval_at(double time_s) const {
   const double share = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
   if (a.world != b.world)  // nothing lies between them
     return share < 0.5 ? KeyframeInterval{&a, nullptr, 0} : KeyframeInterval{nullptr, &b, 1};
-  return {&a, &b, share > 1 - 1e-5 ? 1 : share};
+  return {&a, &b, share > 1 - kSameShare ? 1 : share};
 }
 
 // eye: -1 left, 1 right, 0 between them.
@@ -162,7 +161,7 @@ double VirtualCamera::speed_px_s(const Keyframe& before, const Keyframe& after) 
   const Image<float>& flow = after.to_previous.vectors;
   if (flow.empty() || before.world != after.world) return 0;
   std::vector<float> lengths;
-  for (std::size_t i = 0; i < flow.plane_size(); i += 7)
+  for (std::size_t i = 0; i < flow.plane_size(); i += kFlowStride)
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
   const double enlarged = filming_lens(after).fx_px / after.lens.fx_px;
   return nearly_greatest(lengths) * enlarged / (after.time_s - before.time_s);
@@ -192,8 +191,8 @@ double VirtualCamera::path_way_px(int frame) const {
   const Intrinsics lens = filming_lens(key);
   const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
   std::vector<float> ways;
-  for (int y = 0; y < rows; y += 3)
-    for (int x = 0; x < cols; x += 3) {
+  for (int y = 0; y < rows; y += kWayStep_px)
+    for (int x = 0; x < cols; x += kWayStep_px) {
       const Eigen::Vector3d ray((x + 0.5 - key.lens.cx_px) / key.lens.fx_px,
                                 (y + 0.5 - key.lens.cy_px) / key.lens.fy_px, 1);
       const auto inverse_depth = static_cast<double>(key.inverse_depth.at(0, y, x));
@@ -303,8 +302,13 @@ void VirtualCamera::state_camera(const KeyframeInterval& interval, double playba
   frame_.pose->T_world_camera = T_stated_world * T_world_view(interval, playback_s, 0);
 }
 
+// The recorded lens for the film's size: the picture is covered, and cropped where its shape differs.
 Intrinsics VirtualCamera::filming_lens(const Keyframe& key) const {
-  return lens_for(key.lens, key.inverse_depth.rows(), key.inverse_depth.cols(), plan_.height, plan_.width);
+  const Intrinsics& lens = key.lens;
+  const double rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
+  const double scale = std::max(plan_.width / cols, plan_.height / rows);
+  return {lens.fx_px * scale, lens.fy_px * scale, (lens.cx_px - 0.5 * cols) * scale + 0.5 * plan_.width,
+          (lens.cy_px - 0.5 * rows) * scale + 0.5 * plan_.height};
 }
 
 }  // namespace hdrcam
