@@ -145,13 +145,12 @@ KeyframeInterval VirtualCamera::interval_at(double time_s) const {
   return {&a, &b, share > 1 - kSameShare ? 1 : share};
 }
 
-// eye: -1 left, 1 right, 0 between them.
 RigidTransform VirtualCamera::T_world_view(const KeyframeInterval& interval, double playback_s,
-                                           double eye) const {
+                                           Eye eye) const {
   const RigidTransform T_world_recorded =
       plan_.stabilize ? steady_.at(interval.time_s()) : interval.T_world_camera();
   RigidTransform T_view_eye;
-  T_view_eye.t.x() = 0.5 * eye * plan_.baseline;
+  T_view_eye.t.x() = 0.5 * static_cast<int>(eye) * plan_.baseline;
   return T_world_recorded * plan_.view.at(playback_s).T_recorded_view() * T_view_eye;
 }
 
@@ -210,7 +209,7 @@ int VirtualCamera::instants(int frame) const {
 }
 
 // One eye's frame: the mean of the instants of its exposure; everything but the radiance is the centre's.
-void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
+void VirtualCamera::expose(int frame, Eye eye, HdrFrame& out) {
   const ExposureInterval exposure = exposure_of(frame);
   const Keyframe& newest = *keys_.back();
   SceneView view;
@@ -248,12 +247,12 @@ void VirtualCamera::join_eyes() {
 
 Result<void> VirtualCamera::film(const Show& show) {
   if (plan_.baseline > 0) {
-    expose(shown_, -1, left_);
-    expose(shown_, 1, frame_);
+    expose(shown_, Eye::Left, left_);
+    expose(shown_, Eye::Right, frame_);
     std::swap(instant_, frame_);
     join_eyes();
   } else {
-    expose(shown_, 0, frame_);
+    expose(shown_, Eye::Middle, frame_);
   }
   label(shown_);
   FrameRecord record;
@@ -299,7 +298,7 @@ void VirtualCamera::state_camera(const KeyframeInterval& interval, double playba
     frame_.pose->lost = before->lost || after->lost;
   }
   const RigidTransform T_stated_world = frame_.pose->T_world_camera * key.T_world_camera.inverse();
-  frame_.pose->T_world_camera = T_stated_world * T_world_view(interval, playback_s, 0);
+  frame_.pose->T_world_camera = T_stated_world * T_world_view(interval, playback_s, Eye::Middle);
 }
 
 // The recorded lens for the film's size: the picture is covered, and cropped where its shape differs.

@@ -47,17 +47,18 @@ class VirtualCamera {
   struct ExposureInterval {  // of scene time; empty where it stands still, or the frame shows one instant
     double from_s, to_s;
   };
+  enum class Eye { Left = -1, Middle = 0, Right = 1 };  // Middle: of a film without stereo
   ExposureInterval exposure_of(int frame) const;
   void add_to_path(const Keyframe& key);
   bool ready(int frame) const;
   Result<void> film(const Show& show);
   KeyframeInterval interval_at(double time_s) const;
-  RigidTransform T_world_view(const KeyframeInterval& interval, double playback_s, double eye) const;
+  RigidTransform T_world_view(const KeyframeInterval& interval, double playback_s, Eye eye) const;
   double speed_px_s(const Keyframe& before, const Keyframe& after) const;
   double recorded_way_px(const ExposureInterval& exposure) const;
   double path_way_px(int frame) const;
   int instants(int frame) const;
-  void expose(int frame, double eye, HdrFrame& out);
+  void expose(int frame, Eye eye, HdrFrame& out);
   void join_eyes();
   void label(int frame);
   void state_camera(const KeyframeInterval& interval, double playback_s);
