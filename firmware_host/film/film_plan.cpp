@@ -18,9 +18,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kMostFrames = 1000000, kLeastSide_px = 16;
-constexpr double kNearlyWhole = 1e-6;  // of a second: times are rounded to nanoseconds
-// Of a frame: those of the year, in doubles, to a quarter of a microsecond.
+constexpr int kMostFrames = 1'000'000, kLeastSide_px = 16;
+constexpr double kNearly_s = 1e-6;  // times are rounded to nanoseconds
+// Of a frame: a time since 1970, as a double, is exact to a quarter of a microsecond.
 constexpr double kNearlyFrame = 1e-3;
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
@@ -30,7 +30,7 @@ Result<void> check_number(const char* flag, double value, double least, double m
 }
 
 Result<void> check_inside(double time_s, const FilmedRecording& recording) {
-  if (time_s >= recording.begin_s - kNearlyWhole && time_s <= recording.duration_s + kNearlyWhole) return {};
+  if (time_s >= recording.begin_s - kNearly_s && time_s <= recording.duration_s + kNearly_s) return {};
   return Error{ErrorCode::Invalid,
                fmt::format("--time {:g} is outside the {}, which spans {:.6g} to {:.6g} s", time_s,
                            recording.is_snapshot() ? "snapshot" : "recording", recording.begin_s,
@@ -110,33 +110,45 @@ Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording&
                   flag)};
 }
 
-Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
-                           const FilmedRecording& recording, FilmPlan& plan) {
+Result<ViewPath> view_of(Storage& storage, const FilmOptions& options) {
   if (!options.view.empty() && !options.path.empty())
     return Error{ErrorCode::Invalid, "--view holds one pose and --path moves it; give one of them"};
-  plan.view = options.path.empty() ? TRY(ViewPath::parse_view(options.view))
-                                   : TRY(ViewPath::read_path(storage, options.path));
-  SceneLength baseline;
-  if (!options.stereo.empty()) baseline = TRY(parse_length("--stereo", options.stereo));
-  if (!options.stereo.empty() && !(baseline.value > 0))
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
+  return options.path.empty() ? ViewPath::parse_view(options.view)
+                              : ViewPath::read_path(storage, options.path);
+}
+
+// Between the eyes; 0 of a film for one.
+Result<SceneLength> baseline_of(const FilmOptions& options) {
+  if (options.stereo.empty()) return SceneLength{};
+  const SceneLength baseline = TRY(parse_length("--stereo", options.stereo));
+  if (baseline.value > 0) return baseline;
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
+}
+
+// Whether there is a field: in the snapshot, or in the run on the recording.
+Result<void> check_depth_is_known(const FilmedRecording& recording, const Settings::Fit& fit) {
+  if (recording.kind == FilmedKind::SnapshotWithoutField)
+    return Error{ErrorCode::Invalid,
+                 "another view needs the depth that the field knows, and the snapshot was saved without one; "
+                 "save it again without --emit state and --set field=none"};
+  const std::string_view without_field = what_leaves_out_field(fit);
+  if (without_field.empty()) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("another view needs the depth that the field knows; leave out {}", without_field)};
+}
+
+Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
+                           const FilmedRecording& recording, FilmPlan& plan) {
+  plan.view = TRY(view_of(storage, options));
+  const SceneLength baseline = TRY(baseline_of(options));
   plan.baseline = baseline.value;
   const PoseKind pose = named_knobs(fit).pose;
   TRY(check_unit("--view", plan.view.in_metres(), recording, pose));
   TRY(check_unit("--stereo", baseline.in_metres, recording, pose));
   const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;
-  if (needs_depth && recording.kind == FilmedKind::SnapshotWithoutField)
-    return Error{ErrorCode::Invalid,
-                 "another view needs the depth that the field knows, and the snapshot was saved without one; "
-                 "save it again without --emit state and --set field=none"};
-  const std::string_view without_field = what_leaves_out_field(fit);
-  if (needs_depth && !without_field.empty())
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("another view needs the depth that the field knows; leave out {}", without_field)};
-  return {};
+  return needs_depth ? check_depth_is_known(recording, fit) : Result<void>();
 }
 
 }  // namespace
