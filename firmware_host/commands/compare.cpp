@@ -44,7 +44,7 @@ std::string listed(const std::vector<std::uint64_t>& numbers) {
   return text;
 }
 
-void print(const ClipScores& scores, const std::string& clip, const std::string& label) {
+void print_table(const ClipScores& scores, const std::string& clip, const std::string& label) {
   const std::size_t clip_width = std::max<std::size_t>(clip.size(), 4);
   const std::size_t label_width = std::max<std::size_t>(label.size(), 9);
   const auto line = [&](const auto&... cells) {
@@ -60,6 +60,10 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
        fixed(m.psnr_pu_db, 2), fixed(m.ssim_mu, 4), fixed(m.log_rmse_stops, 3),
        fixed(scores.flicker_stops, 4), fixed(scores.flicker_background_stops, 4),
        fixed(scores.phase_stops, 4));
+}
+
+// What the table has no column for: the gains, and what only some estimates have.
+void print_details(const ClipScores& scores) {
   say("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
       scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
   say("one gain for all channels: PSNR-mu {:.2f} dB, cast {} {} {} stops\n", scores.psnr_mu_single_gain_db,
@@ -75,6 +79,9 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
         *scores.field_flow_epe_px, fixed(scores.field_flow_moving_epe_px, 3));
   if (scores.novel_psnr_mu_db)
     say("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
+}
+
+void print_frames(const ClipScores& scores) {
   say("frames are matched by their number: {}\n", listed(numbers_of(scores.frames)));
   if (!scores.missing.empty()) say("not scored, there is no estimate: frames {}\n", listed(scores.missing));
   if (!scores.not_in_clip.empty())
@@ -90,7 +97,11 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
       TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);
   const std::string label = flags.label.empty() ? folder_name(flags.estimates) : flags.label;
-  if (!flags.json.stands_for_table()) print(scores, clip, label);
+  if (!flags.json.stands_for_table()) {
+    print_table(scores, clip, label);
+    print_details(scores);
+    print_frames(scores);
+  }
   return flags.json.write(around.storage, to_json(scores, clip, label));
 }
 
