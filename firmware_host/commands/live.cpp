@@ -70,15 +70,41 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   return ended;
 }
 
-Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& around) {
-  const Settings settings = TRY(started_settings(*flags.settings, asked));
+// Everything that can be refused before a camera is opened.
+Result<void> check_live(const LiveFlags& flags, const Settings& settings, Storage& storage) {
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
   if (is_replayed(settings.camera.id))
-    TRY(check_recorded_poses(around.storage, replayed_file(settings.camera.id), settings));
+    TRY(check_recorded_poses(storage, replayed_file(settings.camera.id), settings));
   else
     TRY(check_tracked_poses(settings, "a camera states none"));
-  TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
+  return check_camera_run(settings, "--record", sink_kinds(), flags.kept, storage);
+}
+
+// What became of the frames, and what to do where some were lost on their way.
+void tell_of_run(CameraSource& camera, const Settings& settings, const RunRecord& record) {
+  const LiveCounters counters = camera.session().counters();
+  if (counters.captured() > 0)
+    write_result_beside_frames(
+        settings.output,
+        account_of(camera) +
+            recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
+            camera.takes_account());
+  show_warnings(camera);
+  if (const std::string advice = advice_to_keep_up(counters, settings, record); !advice.empty())
+    remark("note: {}\n", advice);
+  warn_of_empty_outputs(record, settings.output);
+}
+
+// That a user stops a run before its first HDR frame is no failure of it.
+bool is_stopped_at_once(CameraSource& camera, const Result<void>& ended) {
+  return camera.end() == LiveEnd::Stopped && camera.session().counters().emitted == 0 && !ended &&
+         ended.error().code == ErrorCode::TooShort;
+}
+
+Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& around) {
+  const Settings settings = TRY(started_settings(*flags.settings, asked));
+  TRY(check_live(flags, settings, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
@@ -92,24 +118,12 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
                .record = &record};
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
-  const LiveCounters counters = camera->session().counters();
-  if (counters.captured() > 0)
-    write_result_beside_frames(
-        settings.output,
-        account_of(*camera) +
-            recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
-            camera->takes_account());
-  show_warnings(*camera);
-  if (const std::string advice = advice_to_keep_up(counters, settings, record); !advice.empty())
-    remark("note: {}\n", advice);
-  warn_of_empty_outputs(record, settings.output);
-  const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
-  if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {
+  tell_of_run(*camera, settings, record);
+  if (is_stopped_at_once(*camera, ended))
     remark("note: stopped before the first HDR frame\n");
-    return flags.limits.ended_by(camera->end(), counters.captured());
-  }
-  TRY(ended);
-  return flags.limits.ended_by(camera->end(), counters.captured());
+  else
+    TRY(ended);
+  return flags.limits.ended_by(camera->end(), camera->session().counters().captured());
 }
 
 }  // namespace
