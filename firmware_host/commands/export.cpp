@@ -1,6 +1,8 @@
 // hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same; with the
 // poses that it states, in the files of reconstruction tools too.
+#include <atomic>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -29,6 +31,7 @@ struct ExportOptions {
   Damage damage() const { return strict ? Damage::Ends : Damage::IsSkipped; }
   // Whether an error of the reader is no more than its end: the whole frames before a cut count.
   bool is_end(const Error& error) const { return error.code == ErrorCode::Truncated && !strict; }
+  bool with_poses() const { return transforms || colmap; }
   std::string transforms_path() const { return transforms ? folder + "/transforms.json" : ""; }
   std::string model() const { return folder + "/colmap"; }
   std::string pictures() const { return fmt::format("{}/{}/%04d.png", folder, ImageSequence::kPictures); }
@@ -87,6 +90,42 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
   return {};
 }
 
+// What was written of a recording, and why nothing comes after it.
+struct ExportedFrames {
+  int count = 0;
+  Result<void> ended;
+  PosedClip posed;  // empty where no poses are asked for
+};
+
+Result<ExportedFrames> copy_frames(const ExportOptions& options, RecordingReader& from,
+                                   ImageSequenceWriter& to, const std::atomic<bool>& stop) {
+  ExportedFrames written;
+  written.posed = posed_clip_of(from.camera());
+  std::optional<Instant> start;
+  for (;; ++written.count) {
+    if (stop)
+      return Error{ErrorCode::Interrupted,
+                   fmt::format("interrupted after {}", counted(written.count, "frame"))};
+    auto frame = from.next();
+    if (!frame && !options.is_end(frame.error())) return frame.error();
+    if (!frame) written.ended = frame.error();
+    if (!frame || !frame.value()) return written;
+    const FrameFacts& facts = (**frame).facts;
+    if (!start) start = facts.timestamp;
+    TRY(to.append(**frame));
+    if (options.with_poses()) add_frame(facts, to.last_path(), *start, written.posed);
+  }
+}
+
+// What is odd about the recording, about the clip, and about the folder.
+void tell_of_clip(const RecordingReader& reader, int frames, const EarlierFrames& earlier) {
+  for (const std::string& warning : warnings_of(reader)) remark("warning: {}\n", warning);
+  if (frames < static_cast<int>(kFewestClipFrames))
+    remark("warning: a clip has at least {} frames; 'hdrcam import' does not take this one\n",
+           kFewestClipFrames);
+  if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
+}
+
 // A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
 Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
   if (TRY(around.storage.look_at(options.folder)).kind == FileKind::Regular)
@@ -94,43 +133,23 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
         ErrorCode::Invalid,
         fmt::format("'{}' is a file; --output names the folder to write, such as frames", options.folder)};
   TRY(check_no_snapshot(around.storage, options.recording));
-  const bool with_poses = options.transforms || options.colmap;
-  if (with_poses) TRY(check_poses(around.storage, options));
+  if (options.with_poses()) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   TRY(admit_copy(settings, reader->camera(), {CopyKind::Export}));
   TRY(check_files(around.storage, options));
   const EarlierFrames earlier(around.storage, options.pictures());
   auto clip =
       TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera(), Creation::Replace));
-  PosedClip posed = posed_clip_of(reader->camera());
-  std::optional<Instant> start;
-  int frames = 0;
-  Result<void> ended;
-  for (;; ++frames) {
-    if (around.stop)
-      return Error{ErrorCode::Interrupted, fmt::format("interrupted after {}", counted(frames, "frame"))};
-    auto frame = reader->next();
-    if (!frame && !options.is_end(frame.error())) return frame.error();
-    if (!frame) ended = frame.error();
-    if (!frame || !frame.value()) break;
-    const FrameFacts& facts = (**frame).facts;
-    if (!start) start = facts.timestamp;
-    TRY(clip.append(**frame));
-    if (with_poses) add_frame(facts, clip.last_path(), *start, posed);
-  }
-  if (frames == 0) {
-    TRY(ended);
+  const ExportedFrames written = TRY(copy_frames(options, *reader, clip, around.stop));
+  if (written.count == 0) {
+    TRY(written.ended);
     return no_whole_frame(options.recording);
   }
   TRY(clip.finish());
-  if (with_poses) TRY(write_poses(around.storage, options, posed));
-  for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);
-  if (frames < static_cast<int>(kFewestClipFrames))
-    remark("warning: a clip has at least {} frames; 'hdrcam import' does not take this one\n",
-           kFewestClipFrames);
-  if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
-  say("{}: {}\n", options.folder, counted(frames, "frame"));
-  return ended;
+  if (options.with_poses()) TRY(write_poses(around.storage, options, written.posed));
+  tell_of_clip(*reader, written.count, earlier);
+  say("{}: {}\n", options.folder, counted(written.count, "frame"));
+  return written.ended;
 }
 
 }  // namespace
