@@ -18,6 +18,10 @@
 namespace hdrcam {
 namespace {
 
+// What `bench pareto` writes into its folder.
+constexpr const char *kFigures = "pareto.json", *kCharts = "pareto.html", *kTable = "pareto.md";
+constexpr const char* kPages[] = {kFigures, kCharts, kTable};
+
 struct BenchFlags {
   CostWalk walk;
   std::vector<std::string> points;
@@ -63,11 +67,28 @@ Result<void> show_costs(const std::vector<PointCost>& costs, const std::string& 
     return write_whole(storage, folder + "/" + name, std::as_bytes(std::span(text)));
   };
   const std::string table = cost_table(costs);
-  TRY(write("pareto.md", table));
-  TRY(write("pareto.json", cost_json(costs, command, threads)));
-  TRY(write("pareto.html", cost_page(costs, command, threads)));
-  say("{}{}/pareto.html: the charts; pareto.json and pareto.md: the figures\n", table, folder);
+  TRY(write(kTable, table));
+  TRY(write(kFigures, cost_json(costs, command, threads)));
+  TRY(write(kCharts, cost_page(costs, command, threads)));
+  say("{}{}/{}: the charts; {} and {}: the figures\n", table, folder, kCharts, kFigures, kTable);
   return {};
+}
+
+// Before any run: earlier pages stay without --force, and the folder of the frames must not be there yet.
+Result<void> check_pages(const BenchFlags& flags, const std::string& scratch, Storage& storage) {
+  std::vector<NamedInput> inputs;
+  for (const std::string& clip : flags.walk.clips) {
+    TRY(check_clip_folder(storage, clip));
+    for (NamedInput& file : files_of_clip(clip)) inputs.push_back(std::move(file));
+  }
+  std::vector<NamedOutput> pages;
+  for (const char* const name : kPages)
+    pages.push_back({"--output", flags.output + "/" + name, OutputKind::Document});
+  TRY(flags.kept.check(storage, inputs, pages));
+  if (TRY(storage.look_at(scratch)).kind == FileKind::Missing) return {};
+  return Error{ErrorCode::Exists, fmt::format("'{}' is in the way of the frames to be scored; name another "
+                                              "folder with --output, or remove it",
+                                              scratch)};
 }
 
 // The runs have outputs of their own: those of a file of settings are for other verbs.
@@ -76,21 +97,8 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
   settings.machine.trace.clear();
   CostWalk plan = flags.walk;
   plan.points = TRY(chosen_points(cost_points(settings.fit), flags.points));
-  const auto page = [&](const char* name) { return flags.output + "/" + name; };
-  std::vector<NamedInput> inputs;
-  for (const std::string& clip : plan.clips) {
-    TRY(check_clip_folder(around.storage, clip));
-    for (NamedInput& file : files_of_clip(clip)) inputs.push_back(std::move(file));
-  }
-  TRY(flags.kept.check(around.storage, inputs,
-                       {{"--output", page("pareto.json"), OutputKind::Document},
-                        {"--output", page("pareto.html"), OutputKind::Document},
-                        {"--output", page("pareto.md"), OutputKind::Document}}));
-  const std::string scratch = page("frames");
-  if (TRY(around.storage.look_at(scratch)).kind != FileKind::Missing)
-    return Error{ErrorCode::Exists, fmt::format("'{}' is in the way of the frames to be scored; name another "
-                                                "folder with --output, or remove it",
-                                                scratch)};
+  const std::string scratch = flags.output + "/frames";
+  TRY(check_pages(flags, scratch, around.storage));
   std::vector<PointCost> costs;
   const Result<void> walked = walk(plan, settings, scratch, around.storage, around.stop, costs);
   const bool interrupted = !walked && walked.error().code == ErrorCode::Interrupted;
