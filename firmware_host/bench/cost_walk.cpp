@@ -26,33 +26,57 @@ struct Scratch {
   }
 };
 
-Result<PointCost> measure(const CostPoint& point, const std::string& clip, const CostWalk& plan,
-                          Settings settings, const std::string& scratch, Storage& storage,
-                          const std::atomic<bool>& stop) {
-  settings.fit = point.fit;
-  settings.output = {};  // a layer or a white balance would be part of the time and of the error
-  settings.output.paths = {{std::string(sink_name::kFrames), scratch + "/%06d.exr"}};
-  settings.output.compression = FrameCompression::None;
-  PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};
-  const Scratch removed{scratch};
-  TRY(storage.make_directories(scratch));
-  cost.mean_ms = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < plan.repeats; ++i) {
-    const auto source = RecordingSource::of(reader_of(TRY(ImageSequence::open(storage, clip))),
-                                            {.frames = plan.frames}, stop);
+// What all runs of a walk share.
+class CostRuns {
+ public:
+  // All outlives it. scratch: the folder of the HDR frames that are scored.
+  CostRuns(const CostWalk& plan, const Settings& settings, const std::string& scratch, Storage& storage,
+           const std::atomic<bool>& stop)
+      : plan_(plan), settings_(settings), scratch_(scratch), storage_(storage), stop_(stop) {}
+
+  Result<PointCost> measure(const CostPoint& point, const std::string& clip) const {
+    const Settings settings = settings_of(point);
+    PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};
+    const Scratch removed{scratch_};
+    TRY(storage_.make_directories(scratch_));
+    cost.mean_ms = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < plan_.repeats; ++i) TRY(run_once(settings, clip, cost));
+    const ClipScores scores = TRY(score_clip(storage_, clip, scratch_, {.stop = &stop_}));
+    cost.psnr_mu_db = scores.mean.psnr_mu_db;
+    cost.worst_psnr_mu_db = scores.worst.picture.psnr_mu_db;
+    cost.flicker_stops = scores.flicker_stops.value_or(std::numeric_limits<double>::quiet_NaN());
+    return cost;
+  }
+
+ private:
+  Settings settings_of(const CostPoint& point) const {
+    Settings settings = settings_;
+    settings.fit = point.fit;
+    settings.output = {};  // a layer or a white balance would be part of the time and of the error
+    settings.output.paths = {{std::string(sink_name::kFrames), scratch_ + "/%06d.exr"}};
+    settings.output.compression = FrameCompression::None;
+    return settings;
+  }
+
+  // cost: keeps the times of the fastest run.
+  Result<void> run_once(const Settings& settings, const std::string& clip, PointCost& cost) const {
+    const auto source = RecordingSource::of(reader_of(TRY(ImageSequence::open(storage_, clip))),
+                                            {.frames = plan_.frames}, stop_);
     RunRecord record;
-    TRY(run({.settings = settings, .stop = &stop, .progress = nullptr, .record = &record}, *source, storage));
+    TRY(run({.settings = settings, .stop = &stop_, .progress = nullptr, .record = &record}, *source,
+            storage_));
     const StageSummary method = method_summary(record);
     if (method.mean_ms < cost.mean_ms) cost.mean_ms = method.mean_ms, cost.p95_ms = method.p95_ms;
-    cost.width = record.width, cost.height = record.height;
     cost.frames = method.frames;
+    return {};
   }
-  const ClipScores scores = TRY(score_clip(storage, clip, scratch, {.stop = &stop}));
-  cost.psnr_mu_db = scores.mean.psnr_mu_db;
-  cost.worst_psnr_mu_db = scores.worst.picture.psnr_mu_db;
-  cost.flicker_stops = scores.flicker_stops.value_or(std::numeric_limits<double>::quiet_NaN());
-  return cost;
-}
+
+  const CostWalk& plan_;
+  const Settings& settings_;
+  const std::string& scratch_;
+  Storage& storage_;
+  const std::atomic<bool>& stop_;
+};
 
 CostPoint with_knob(const Settings::Fit& base, const std::string& group, const char* knob,
                     const std::string& value) {
@@ -81,9 +105,10 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
 Result<void> walk(const CostWalk& plan, const Settings& settings, const std::string& scratch,
                   Storage& storage, const std::atomic<bool>& stop, std::vector<PointCost>& costs) {
   for (const std::string& clip : plan.clips) TRY(ImageSequence::open(storage, clip));  // before hours of work
+  const CostRuns runs(plan, settings, scratch, storage, stop);
   for (const std::string& clip : plan.clips)
     for (const CostPoint& point : plan.points) {
-      costs.push_back(TRY(measure(point, clip, plan, settings, scratch, storage, stop)));
+      costs.push_back(TRY(runs.measure(point, clip)));
       const PointCost& cost = costs.back();
       remark("{}, {}: {:.1f} ms a frame, {:.2f} dB\n", cost.clip, cost.point, cost.mean_ms, cost.psnr_mu_db);
     }

@@ -19,13 +19,13 @@ struct CostPoint {
   Settings::Fit fit;
 };
 
-// The presets, and from `base` one knob after the other. Errors: those of the knobs in `base`.
+// The presets, and from `base` one knob after the other.
 std::vector<CostPoint> cost_points(const Settings::Fit& base);
 
 // One point on one clip.
 struct PointCost {
   std::string point, group, clip;
-  int width = 0, height = 0, frames = 0;
+  int frames = 0;                  // that left
   double mean_ms = 0, p95_ms = 0;  // per frame, all stages but the sinks
   double psnr_mu_db = 0, worst_psnr_mu_db = 0, flicker_stops = 0;
 };
