@@ -67,30 +67,14 @@ double look_ups_per_s(const Patience& patience) {
 
 // Bytes per second of streams that touch so many bytes in all.
 double bytes_per_s(double footprint, const Patience& patience) {
-  const int n = std::max(1024, static_cast<int>(footprint / 12)) / 16 * 16;
+  constexpr int kBytes = 3 * sizeof(float);     // for each element: two streams are read, one is written
+  constexpr int kLeast = 1024, kMultiple = 16;  // elements
+  const int n = std::max(kLeast, static_cast<int>(footprint / kBytes)) / kMultiple * kMultiple;
   Image<float> planes(3, 1, n);
-  return 12.0 * n * runs_per_s(patience, [&] {
+  return 1.0 * kBytes * n * runs_per_s(patience, [&] {
            ceiling_kernels().stream(planes.plane(0), planes.plane(1), planes.plane(2), n);
          });
 }
-
-}  // namespace
-
-const char* name(KernelBound bound) {
-  switch (bound) {
-    case KernelBound::Arithmetic:
-      return "arithmetic";
-    case KernelBound::Memory:
-      return "memory";
-    case KernelBound::LookUps:
-      return "look-ups";
-    case KernelBound::Unknown:
-      break;
-  }
-  return "";
-}
-
-namespace {
 
 KernelRates measured_here(std::span<const KernelTask> tasks, const Patience& patience) {
   flush_denormals();
@@ -117,6 +101,20 @@ KernelRates measured_here(std::span<const KernelTask> tasks, const Patience& pat
 }
 
 }  // namespace
+
+const char* name(KernelBound bound) {
+  switch (bound) {
+    case KernelBound::Arithmetic:
+      return "arithmetic";
+    case KernelBound::Memory:
+      return "memory";
+    case KernelBound::LookUps:
+      return "look-ups";
+    case KernelBound::Unknown:
+      break;
+  }
+  return "";
+}
 
 Result<KernelRates> measure_kernels(std::span<const KernelTask> tasks, double seconds,
                                     const std::atomic<bool>& stop) {
