@@ -52,34 +52,37 @@ std::string curve_table(const Simulation& simulation) {
 
 }  // namespace
 
+void TruthFolder::describe_sensor(const SimulatedSensor& sensor) {
+  const Simulation& s = simulation_;
+  json_["axes"] = "x right, y down, z forward; c2w row-major 3x4";
+  json_["sensor_gain_per_s"] = s.sensitivity_per_s;
+  json_["radiance_to_sensor"] = fmt::format("x = R*exposure_s*gain*{}, clip at 1", s.sensitivity_per_s);
+  json_["radiance_leaves_out"] = nlohmann::ordered_json::array();
+  for (const Effect effect : kNotInTruth)
+    if (s.plan.on(effect)) json_["radiance_leaves_out"].push_back(name(effect));
+  json_["sensor_to_code"] = fmt::format(
+      "code = (b + (1-b)*crf(x)) * (2^bits-1), b = black_level; crf.csv: {} values, x = 0..1", kCurveSamples);
+  json_["black_level"] = s.black_level;
+  json_["full_well_e"] = s.full_well_e;
+  json_["read_noise_e"] = s.plan.on(Effect::Noise) ? s.noise.read_noise_e : 0;
+  const Intrinsics& lens = sensor.lens().intrinsics;
+  json_["fx"] = lens.fx_px, json_["fy"] = lens.fy_px, json_["cx"] = lens.cx_px, json_["cy"] = lens.cy_px;
+  if (!s.plan.on(Effect::Distortion)) return;
+  json_["distortion"] = {{"k1", s.distortion.k1}, {"k2", s.distortion.k2}};
+  json_["distortion_of"] = "the ray r is seen at r*(1 + k1*|r|^2 + k2*|r|^4)";
+}
+
 Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& folder,
                                         const SimulatedSensor& sensor, const std::string& spec) {
   TruthFolder truth(storage, folder + "/" + kFolder);
   for (const char* frames : kFrames) TRY(make_folder_of(storage, truth.folder_ + "/" + frames));
   truth.simulation_ = sensor.simulation();
-  const Intrinsics& lens = sensor.lens().intrinsics;
   auto& json = truth.json_;
   json["options"]["simulation"] = spec;
   for (std::size_t i = 0; i < kEffects; ++i)
     if (truth.simulation_.plan.on(static_cast<Effect>(i)))
       json["options"]["effects"].push_back(name(static_cast<Effect>(i)));
-  const Simulation& s = truth.simulation_;
-  json["axes"] = "x right, y down, z forward; c2w row-major 3x4";
-  json["sensor_gain_per_s"] = s.sensitivity_per_s;
-  json["radiance_to_sensor"] = fmt::format("x = R*exposure_s*gain*{}, clip at 1", s.sensitivity_per_s);
-  json["radiance_leaves_out"] = nlohmann::ordered_json::array();
-  for (const Effect effect : kNotInTruth)
-    if (s.plan.on(effect)) json["radiance_leaves_out"].push_back(name(effect));
-  json["sensor_to_code"] =
-      "code = (b + (1-b)*crf(x)) * (2^bits-1), b = black_level; crf.csv: 1024 values, x = 0..1";
-  json["black_level"] = s.black_level;
-  json["full_well_e"] = s.full_well_e;
-  json["read_noise_e"] = s.plan.on(Effect::Noise) ? s.noise.read_noise_e : 0;
-  json["fx"] = lens.fx_px, json["fy"] = lens.fy_px, json["cx"] = lens.cx_px, json["cy"] = lens.cy_px;
-  if (s.plan.on(Effect::Distortion)) {
-    json["distortion"] = {{"k1", s.distortion.k1}, {"k2", s.distortion.k2}};
-    json["distortion_of"] = "the ray r is seen at r*(1 + k1*|r|^2 + k2*|r|^4)";
-  }
+  truth.describe_sensor(sensor);
   json["frames"] = nlohmann::ordered_json::array();
   json["moving_ids"] = nlohmann::ordered_json::array();
   const auto& objects = sensor.scene()->objects;

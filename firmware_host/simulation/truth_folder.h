@@ -31,6 +31,7 @@ class TruthFolder {
 
  private:
   TruthFolder(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
+  void describe_sensor(const SimulatedSensor& sensor);  // from radiance to codes, and the lens
   Result<void> write_pictures(const SceneTruth& truth);
 
   Storage* storage_;
