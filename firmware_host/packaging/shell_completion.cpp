@@ -10,10 +10,15 @@
 namespace hdrcam {
 namespace {
 
+std::vector<std::string> verb_names(const CommandTable& table) {
+  std::vector<std::string> names;
+  for (const VerbEntry& verb : table.verbs) names.push_back(verb.name);
+  return names;
+}
+
 // The arguments of `hdrcam help`, which is no verb of the table.
 std::vector<std::string> help_topics(const CommandTable& table) {
-  std::vector<std::string> topics;
-  for (const VerbEntry& verb : table.verbs) topics.push_back(verb.name);
+  std::vector<std::string> topics = verb_names(table);
   topics.emplace_back("exit-codes");
   return topics;
 }
@@ -161,8 +166,8 @@ std::string fish_unless_others(const VerbEntry& verb, const FlagEntry& flag) {
 }  // namespace
 
 std::string bash_completion(const CommandTable& table) {
-  std::vector<std::string> first = help_topics(table);
-  first.back() = "help";
+  std::vector<std::string> first = verb_names(table);
+  first.emplace_back("help");
   for (const std::string& name : names_of(table.flags)) first.push_back(name);
 
   std::string values, flags;
