@@ -88,15 +88,8 @@ void add_options_of_inner(const CLI::App& inner, VerbEntry& verb) {
   }
 }
 
-VerbEntry entry_of(const CLI::App& app) {
-  VerbEntry verb;
-  verb.name = app.get_name(), verb.group = app.get_group(), verb.about = app.get_description();
-  const std::string footer = app.get_footer();  // "Example:\n  hdrcam ..."
-  verb.example = footer.substr(std::min(footer.size(), footer.find("hdrcam ")));
-  add_options(app, verb);
-  // A verb with verbs of its own: their names come first, and their flags are its flags.
-  const auto inner = app.get_subcommands([](const CLI::App*) { return true; });
-  if (inner.empty()) return verb;
+// Of a verb with verbs of its own: their names come first, and their flags are its flags.
+void add_inner_verbs(const std::vector<const CLI::App*>& inner, VerbEntry& verb) {
   FlagEntry which;
   which.names = {kInnerVerb}, which.kind = ValueKind::Word, which.required = true;
   for (const CLI::App* one : inner) {
@@ -112,6 +105,19 @@ VerbEntry entry_of(const CLI::App& app) {
       return option != nullptr && option->get_required();
     });
   verb.arguments.insert(verb.arguments.begin(), which);
+}
+
+std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+VerbEntry entry_of(const CLI::App& app) {
+  VerbEntry verb;
+  verb.name = app.get_name(), verb.group = app.get_group(), verb.about = app.get_description();
+  const std::string footer = app.get_footer();  // "Example:\n  hdrcam ..."
+  verb.example = footer.substr(std::min(footer.size(), footer.find("hdrcam ")));
+  add_options(app, verb);
+  if (const auto inner = verbs_of(app); !inner.empty()) add_inner_verbs(inner, verb);
   return verb;
 }
 
@@ -122,8 +128,7 @@ CommandTable command_table(CommandLine program) {
   CommandTable table;
   table.about = one_line(app.get_description());
   for (const CLI::Option* option : app.get_options()) table.flags.push_back(entry_of(*option));
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-    table.verbs.push_back(entry_of(*verb));
+  for (const CLI::App* verb : verbs_of(app)) table.verbs.push_back(entry_of(*verb));
   return table;
 }
 
