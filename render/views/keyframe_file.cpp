@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <numeric>
+#include <span>
 
 namespace hdrcam {
 namespace {
@@ -21,16 +24,20 @@ auto motion_of(Key& key) {
 constexpr std::array kLayerChannels{3, 1, 1};
 constexpr std::array kMotionChannels{2, 1, 2, 1};
 
-constexpr std::uint64_t kStillBytes = 5 * sizeof(float) + 1;  // of a pixel, with its provenance
-constexpr std::uint64_t kMotionBytes = 6 * sizeof(float);
+// Of a pixel of these layers.
+constexpr std::uint64_t bytes_of(std::span<const int> channels) {
+  return sizeof(float) * static_cast<std::uint64_t>(std::accumulate(channels.begin(), channels.end(), 0));
+}
+constexpr std::uint64_t kPictureBytes = bytes_of(kLayerChannels) + sizeof(std::uint8_t);  // and provenance
+constexpr std::uint64_t kMotionBytes = bytes_of(kMotionChannels);
 
 bool all_within(std::span<const float> values, float least, float most) {
   return std::ranges::all_of(values, [=](float value) { return value >= least && value <= most; });
 }
 
 bool is_sound(const Keyframe& key) {
-  constexpr float kMost = 1e30f, kFarthest_px = 1e6f, kLeastInverse = 1e-30f;
-  constexpr float kMostInverse = 1e9f;
+  constexpr float kMost = 1e30f, kFarthest_px = 1e6f;
+  constexpr float kLeastInverse = 1e-30f, kMostInverse = 1e9f;  // of depth
   if (!all_within(key.frame.radiance.samples(), 0, kMost) || !all_within(key.frame.sigma.samples(), 0, kMost))
     return false;
   if (!all_within(key.inverse_depth.samples(), kLeastInverse, kMostInverse)) return false;
@@ -55,8 +62,8 @@ Result<void> save_pictures(const Keyframe& key, SectionWriter& file) {
 Result<void> load_pictures(SectionReader& file, int rows, int cols, Keyframe& key) {
   TRY(file.begin(kSection));
   const std::uint64_t pixels = pixel_count(rows, cols);
-  const bool moves = file.length() == pixels * (kStillBytes + kMotionBytes);
-  if (!moves && file.length() != pixels * kStillBytes)
+  const bool has_motion = file.length() == pixels * (kPictureBytes + kMotionBytes);
+  if (!has_motion && file.length() != pixels * kPictureBytes)
     return file.wrong("it is not as large as its pictures");
   const auto load = [&](Image<float>& layer, int channels) {
     layer.reshape(channels, rows, cols);
@@ -65,7 +72,7 @@ Result<void> load_pictures(SectionReader& file, int rows, int cols, Keyframe& ke
   for (std::size_t i = 0; i < kLayerChannels.size(); ++i) TRY(load(*layers_of(key)[i], kLayerChannels[i]));
   key.frame.provenance.reshape(1, rows, cols);
   TRY(file.read(std::as_writable_bytes(key.frame.provenance.samples())));
-  if (moves)
+  if (has_motion)
     for (std::size_t i = 0; i < kMotionChannels.size(); ++i)
       TRY(load(*motion_of(key)[i], kMotionChannels[i]));
   TRY(file.end());
