@@ -11,15 +11,16 @@ namespace hdrcam {
 namespace {
 
 constexpr float kDarkest = 1.0f / 16384;  // 14 stops below white
-constexpr float kPuWhite = 4000;          // cd/m2
+constexpr float kPuWhite_nits = 4000;
 
 float mu_law(float x) { return std::log1p(kPsnrMu * x) / std::log(kPsnrMu + 1); }
 
-// PU21, "banding + glare": luminance in cd/m2 to perceptually uniform units.
-float pu21(float luminance) {
+// PU21, "banding + glare" (Mantiuk and Azimi 2021): luminance to perceptually uniform units.
+float pu21(float luminance_nits) {
+  constexpr float kLeast_nits = 0.005f, kMost_nits = 10000;  // for which it is fitted
   constexpr float kP[7] = {0.353487901f,   0.3734658629f, 8.277049286e-05f, 0.9062562627f,
                            0.09150303166f, 0.9099517204f, 596.3148142f};
-  const float y = std::pow(std::clamp(luminance, 0.005f, 10000.0f), kP[3]);
+  const float y = std::pow(std::clamp(luminance_nits, kLeast_nits, kMost_nits), kP[3]);
   return kP[6] * (std::pow((kP[0] + kP[1] * y) / (1 + kP[2] * y), kP[4]) - kP[5]);
 }
 
@@ -31,9 +32,11 @@ double square(double v) { return v * v; }
 // Structural similarity (Wang et al. 2004, eq. 13), of pictures whose range is 1.
 double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
   constexpr double kC1 = 1e-4, kC2 = 9e-4;  // (K L)^2 with K1 = 0.01, K2 = 0.03
+  constexpr int kWindow_px = 11;
+  constexpr double kSigma_px = 1.5;
   const auto blurred = [](const cv::Mat& m) {
     cv::Mat out;
-    cv::GaussianBlur(m, out, cv::Size(11, 11), 1.5);
+    cv::GaussianBlur(m, out, cv::Size(kWindow_px, kWindow_px), kSigma_px);
     return out;
   };
   const cv::Mat mean_a = blurred(a), mean_b = blurred(b);
@@ -110,7 +113,7 @@ PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t
   const auto truth = pair.truth.samples(), estimate = pair.estimate.samples();
   const std::size_t pixels = pair.truth.plane_size();
   const double samples = static_cast<double>(truth.size());
-  const float pu_white = pu21(kPuWhite);
+  const float pu_white = pu21(kPuWhite_nits);
   double mu = 0, linear = 0, pu = 0, mu_moving = 0;
   std::size_t moving_samples = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -118,7 +121,7 @@ PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t
     const double mu_error = square(static_cast<double>(mu_law(t) - mu_law(e)));
     mu += mu_error;
     linear += square(static_cast<double>(t - e));
-    pu += square(static_cast<double>((pu21(t * kPuWhite) - pu21(e * kPuWhite)) / pu_white));
+    pu += square(static_cast<double>((pu21(t * kPuWhite_nits) - pu21(e * kPuWhite_nits)) / pu_white));
     if (!moving.empty() && moving.plane(0)[i % pixels] != 0) mu_moving += mu_error, ++moving_samples;
   }
 
