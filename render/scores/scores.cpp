@@ -102,23 +102,33 @@ class ClipScoring {
 
   // A gain is the median log ratio over some pixels, where they are well exposed; likewise the depth scale.
   Result<void> find_gains() {
-    const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
-    const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
     std::array<std::vector<float>, 3> log_ratios;
     std::vector<float> depth_ratios;
     for (const int frame : frames_) {
       TRY(unless_stopped());
       const Image<float> g = TRY(truth_.radiance(frame));
       const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
-      for (int c = 0; c < 3; ++c)
-        for (std::size_t i = 0; i < g.plane_size(); i += kRatioStride)
-          if (const float t = g.plane(c)[i], v = e.radiance.plane(c)[i]; t > from && t < to && v > 0)
-            log_ratios[static_cast<std::size_t>(c)].push_back(std::log(t / v));
-      if (!e.depth.empty()) {
-        const Image<float> depth = TRY(truth_.depth(frame));
-        if (!depth.empty()) collect_depth_ratios(depth, e.depth, depth_ratios);
-      }
+      collect_log_ratios(g, e.radiance, log_ratios);
+      if (e.depth.empty()) continue;
+      const Image<float> depth = TRY(truth_.depth(frame));
+      if (!depth.empty()) collect_depth_ratios(depth, e.depth, depth_ratios);
     }
+    if (!depth_ratios.empty()) depth_scale_ = numpy_median(depth_ratios);
+    return set_gains(log_ratios);
+  }
+
+  void collect_log_ratios(const Image<float>& truth, const Image<float>& estimate,
+                          std::array<std::vector<float>, 3>& log_ratios) const {
+    const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
+    const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
+    for (int c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < truth.plane_size(); i += kRatioStride)
+        if (const float t = truth.plane(c)[i], v = estimate.plane(c)[i]; t > from && t < to && v > 0)
+          log_ratios[static_cast<std::size_t>(c)].push_back(std::log(t / v));
+  }
+
+  // One for each channel; beside them their geometric mean, and how far each is from that.
+  Result<void> set_gains(std::array<std::vector<float>, 3>& log_ratios) {
     for (std::size_t c = 0; c < 3; ++c) {
       if (log_ratios[c].empty())
         return Error{ErrorCode::Invalid,
@@ -131,7 +141,6 @@ class ClipScoring {
     single_gain_ = scores_.shared;
     single_gain_.gain.fill(std::cbrt(gain[0] * gain[1] * gain[2]));
     for (std::size_t c = 0; c < 3; ++c) scores_.cast_stops[c] = std::log2(gain[c] / single_gain_.gain[c]);
-    if (!depth_ratios.empty()) depth_scale_ = numpy_median(depth_ratios);
     return {};
   }
 
