@@ -97,11 +97,11 @@ void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& vie
   const auto share = static_cast<float>(interval.share);
   sources_[0].key = interval.before, sources_[1].key = interval.after;
   if (interval.before != nullptr)
-    draw(*interval.before, interval.after != nullptr ? interval.after->from_previous : kNoMotion, share,
-         T_view_recorded, view, sources_[0]);
+    draw(interval.after != nullptr ? interval.after->from_previous : kNoMotion, share, T_view_recorded, view,
+         sources_[0]);
   if (interval.after != nullptr)
-    draw(*interval.after, interval.before != nullptr ? interval.after->to_previous : kNoMotion, 1 - share,
-         T_view_recorded, view, sources_[1]);
+    draw(interval.before != nullptr ? interval.after->to_previous : kNoMotion, 1 - share, T_view_recorded,
+         view, sources_[1]);
   frame.radiance.reshape(3, view.rows, view.cols);
   for (Image<float>* plane : {&frame.sigma, &frame.depth}) plane->reshape(1, view.rows, view.cols);
   frame.provenance.reshape(1, view.rows, view.cols);
@@ -116,10 +116,11 @@ void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& vie
 }
 
 // A source's pixels where the view sees them: `share` of the way along their motion, then along their depth.
-void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float share,
-                        const RigidTransform& T_view_recorded, const SceneView& view, Source& source) {
+void ViewRenderer::draw(const FlowField& toward, float share, const RigidTransform& T_view_recorded,
+                        const SceneView& view, Source& source) {
   constexpr float kTie = 0.15f;  // of ln depth: surfaces closer than this are ordered by their motion's trust
   constexpr float kNearest = 1e-3f;  // z over the source's: nearer, or behind the view, nothing is drawn
+  const Keyframe& key = *source.key;
   const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
   source.vertices.reshape(rows, cols);
   MeshVertices& out = source.vertices;

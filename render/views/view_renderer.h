@@ -27,7 +27,8 @@ class ViewRenderer {
     MeshAnswer answer;
   };
 
-  void draw(const Keyframe& key, const FlowField& toward, float share, const RigidTransform& T_view_recorded,
+  // toward: its frame's motion to the other one, of which the scene has gone `share`.
+  void draw(const FlowField& toward, float share, const RigidTransform& T_view_recorded,
             const SceneView& view, Source& source);
   void blend(const KeyframeInterval& interval, HdrFrame& frame);
   void fill(const SceneView& view, const SnapshotHold& field, float depth_unit, HdrFrame& frame);
