@@ -67,17 +67,29 @@ Error cannot_listen(const HttpAddress& address, int error) {
   }
 }
 
-// A bound, listening socket, and the port that it got in `address`.
-Result<int> listen_on(HttpAddress& address) {
-  Addresses found;
+Result<void> look_up(const HttpAddress& address, Addresses& found) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
   wanted.ai_flags = AI_PASSIVE;
-  if (const int error =
-          getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &found.first);
-      error != 0)
-    return Error{ErrorCode::NotFound,
-                 fmt::format("there is no machine '{}' to listen on: {}", address.host, gai_strerror(error))};
+  const int error =
+      getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &found.first);
+  if (error == 0) return {};
+  return Error{ErrorCode::NotFound,
+               fmt::format("there is no machine '{}' to listen on: {}", address.host, gai_strerror(error))};
+}
+
+std::uint16_t port_of(int bound_socket) {
+  sockaddr_storage got{};
+  socklen_t size = sizeof got;
+  (void)getsockname(bound_socket, reinterpret_cast<sockaddr*>(&got), &size);
+  return ntohs(got.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6*>(&got)->sin6_port
+                                         : reinterpret_cast<sockaddr_in*>(&got)->sin_port);
+}
+
+// A bound, listening socket, and the port that it got in `address`.
+Result<int> listen_on(HttpAddress& address) {
+  Addresses found;
+  TRY(look_up(address, found));
   const addrinfo& chosen = *found.first;
   const int listening = socket(chosen.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (listening < 0) return cannot_listen(address, errno);
@@ -89,11 +101,7 @@ Result<int> listen_on(HttpAddress& address) {
     close(listening);
     return error;
   }
-  sockaddr_storage got{};
-  socklen_t size = sizeof got;
-  (void)getsockname(listening, reinterpret_cast<sockaddr*>(&got), &size);
-  address.port = ntohs(got.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6*>(&got)->sin6_port
-                                                 : reinterpret_cast<sockaddr_in*>(&got)->sin_port);
+  address.port = port_of(listening);
   return listening;
 }
 

@@ -65,7 +65,7 @@ struct HttpLimits {
 class HttpServer {
  public:
   // Listens, and answers until it is destroyed. token: not empty. Errors: Busy where another program has the
-  // port, Permission, NotFound where this machine does not have the address now.
+  // port, Permission, NotFound where this machine does not have the address now, Io.
   static Result<std::unique_ptr<HttpServer>> open(const HttpAddress& address, std::string token,
                                                   std::vector<HttpRoute> routes, const HttpLimits& limits);
   ~HttpServer();
