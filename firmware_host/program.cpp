@@ -87,14 +87,16 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
-// "hdrcam help [TOPIC]" is rewritten to the equivalent flag. topics: "bench", or "bench", "kernels".
+Request to_print(std::string text) { return {.app = nullptr, .verb = {}, .text = std::move(text)}; }
+
+// "hdrcam help [TOPIC]" prints what --help of that verb does. topics: "bench", or "bench", "kernels".
 Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   const std::string_view topic = topics.empty() ? "help" : topics.front();
   const bool is_verb = topic != "help" && topic != "exit-codes";
   if (!is_verb && topics.size() > 1)
     return Error{ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see 'hdrcam --help'", topics[1])};
-  if (topic == "help") return Request{nullptr, {}, help_text(app)};
-  if (topic == "exit-codes") return Request{nullptr, {}, exit_code_text()};
+  if (topic == "help") return to_print(help_text(app));
+  if (topic == "exit-codes") return to_print(exit_code_text());
   if (const auto known = verb_names(); std::ranges::find(known, topic) == known.end())
     return unknown_verb(topic);
   const CLI::App* verb = app.get_subcommand(std::string(topic));
@@ -109,7 +111,7 @@ Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
                    fmt::format("unexpected argument '{}'; see '{} --help'", inner, words)};
     verb = *found;
   }
-  return Request{nullptr, {}, verb->help(words)};
+  return to_print(verb->help(words));
 }
 
 // One file of settings serves all verbs: a verb that uses no setting still checks the file. Not one with
@@ -180,6 +182,25 @@ Error lost_output(int code, std::string_view consequence) {
           fmt::format("cannot write to the standard output: {}{}", reason, consequence)};
 }
 
+Result<void> print(const std::string& text, std::ostream& out) {
+  errno = 0;
+  out << text << std::flush;
+  return out ? Result<void>() : lost_output(errno, "");
+}
+
+// A run that failed leaves no empty folders that it made. Results that nobody got are an error, too.
+Result<void> run_verb(const Verb& verb, Storage& storage, const std::atomic<bool>& stop) {
+  NotingStorage noting(storage);
+  Surroundings surroundings{noting, stop};
+  Result<void> done = verb(surroundings);
+  if (!done) {
+    noting.remove_empty_folders();
+    return done;
+  }
+  const int lost = lost_results();
+  return lost == 0 ? Result<void>() : lost_output(lost, noting.written() ? "; the files are complete" : "");
+}
+
 }  // namespace
 
 Result<Request> parse_command_line(std::span<const char* const> args) {
@@ -199,9 +220,9 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
     app.parse(std::move(words));
   } catch (const CLI::CallForHelp&) {
     const auto chosen = app.get_subcommands();
-    return Request{nullptr, {}, chosen.empty() ? help_text(app) : chosen.front()->help("hdrcam")};
+    return to_print(chosen.empty() ? help_text(app) : chosen.front()->help("hdrcam"));
   } catch (const CLI::CallForVersion& version) {
-    return Request{nullptr, {}, std::string(version.what()) + '\n'};
+    return to_print(std::string(version.what()) + '\n');
   } catch (const CLI::ParseError& refused) {
     return not_understood(app, refused);
   }
@@ -222,38 +243,27 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     else
       err << fmt::format("hdrcam: {}.\n", printable(sentence)) << std::flush;
   };
-  const auto end_with = [&](const Error& error) {
-    tell(error.message);
-    return exit_code_of(error.code);
+  const auto fail_internally = [&](const std::exception& bug) {
+    tell(fmt::format("internal error: {}", bug.what()));
+    return kExitInternal;
+  };
+  const auto end_with = [&](const Result<void>& done) {
+    if (done) return kExitOk;
+    tell(done.error().message);
+    return exit_code_of(done.error().code);
   };
   try {
     auto request = parse_command_line(args);
     if (!request) return end_with(request.error());
-    if (!request->verb) {
-      errno = 0;
-      out << request->text << std::flush;
-      return out ? kExitOk : end_with(lost_output(errno, ""));
-    }
-    NotingStorage noting(storage);
-    Surroundings surroundings{noting, stop};
-    const Result<void> done = request->verb(surroundings);
-    if (!done) {
-      noting.remove_empty_folders();
-      return end_with(done.error());
-    }
-    if (const int lost = lost_results(); lost != 0)
-      return end_with(lost_output(lost, noting.written() ? "; the files are complete" : ""));
-    return kExitOk;
+    if (!request->verb) return end_with(print(request->text, out));
+    return end_with(run_verb(request->verb, storage, stop));
   } catch (const std::system_error& refused) {
-    if (refused.code() == std::errc::resource_unavailable_try_again)
-      return end_with({ErrorCode::Io,
-                       "the system starts no further thread; raise the limit of processes (ulimit -u, or "
-                       "TasksMax of a service), or end other programs"});
-    tell(fmt::format("internal error: {}", refused.what()));
-    return kExitInternal;
+    if (refused.code() != std::errc::resource_unavailable_try_again) return fail_internally(refused);
+    return end_with(Error{ErrorCode::Io,
+                          "the system starts no further thread; raise the limit of processes (ulimit -u, or "
+                          "TasksMax of a service), or end other programs"});
   } catch (const std::exception& bug) {
-    tell(fmt::format("internal error: {}", bug.what()));
-    return kExitInternal;
+    return fail_internally(bug);
   }
 }
 
