@@ -313,7 +313,8 @@ std::string takes_framerate(const std::string& text) {
   return objection_to(camera).value_or("");
 }
 
-Result<void> import_any(const ImportOptions& options, const Settings& settings, Surroundings& around) {
+// Whether the import writes something or lists it, and not both.
+Result<void> check_output(const ImportOptions& options) {
   if (options.list && (!options.output.empty() || options.kept.replaces()))
     return Error{
         ErrorCode::Invalid,
@@ -321,9 +322,12 @@ Result<void> import_any(const ImportOptions& options, const Settings& settings, 
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
-  TRY(check_recording_name(around.storage, "--output", options.output));
+  return {};
+}
+
+// The flags that only a clip takes, or only other footage: a clip says its exposures itself.
+Result<void> check_source_flags(const ImportOptions& options, bool clip) {
   const FootageRequest& footage = options.footage;
-  const bool clip = TRY(is_clip(around.storage, footage.files));
   if (clip && !(footage.shutter.empty() && footage.gain.empty() && footage.framerate_hz == 0))
     return Error{
         ErrorCode::Invalid,
@@ -337,6 +341,14 @@ Result<void> import_any(const ImportOptions& options, const Settings& settings, 
     return Error{ErrorCode::Invalid, "--shutter auto estimates whole exposures; leave out --gain"};
   if (!footage.gain.empty() && footage.shutter.empty())
     return Error{ErrorCode::Invalid, "--gain goes with the exposure times of --shutter; give both"};
+  return {};
+}
+
+Result<void> import_any(const ImportOptions& options, const Settings& settings, Surroundings& around) {
+  TRY(check_output(options));
+  TRY(check_recording_name(around.storage, "--output", options.output));
+  const bool clip = TRY(is_clip(around.storage, options.footage.files));
+  TRY(check_source_flags(options, clip));
   return clip ? import_clip(around, options, settings) : import_footage(around, options, settings);
 }
 
