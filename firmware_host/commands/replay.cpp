@@ -45,17 +45,23 @@ bool is_numbered_only(const std::string& frames) {
   return pattern && pattern.value().name_before().empty() && pattern.value().name_after() == ".exr";
 }
 
-Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
-  TRY(check_recording_named(around.storage, flags.recording, "replay"));
-  TRY(check_no_snapshot(around.storage, flags.recording));
-  if (!flags.truth.empty() && !asked.output.path(sink_name::kFrames).ends_with(".exr"))
+// truth: the clip; frames: where --output writes what is scored, from the disk and by its numbers.
+Result<void> check_truth(const std::string& truth, const std::string& frames, Storage& storage) {
+  if (!frames.ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
-  if (!flags.truth.empty() && !is_numbered_only(asked.output.path(sink_name::kFrames)))
+  if (!is_numbered_only(frames))
     return Error{ErrorCode::Invalid,
                  fmt::format("--truth scores frames that are named by their number alone; give --output "
                              "out/%06d.exr instead of '{}'",
-                             asked.output.path(sink_name::kFrames))};
-  if (!flags.truth.empty()) TRY(check_clip_folder(around.storage, flags.truth));
+                             frames)};
+  return check_clip_folder(storage, truth);
+}
+
+Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
+  TRY(check_recording_named(around.storage, flags.recording, "replay"));
+  TRY(check_no_snapshot(around.storage, flags.recording));
+  if (!flags.truth.empty())
+    TRY(check_truth(flags.truth, asked.output.path(sink_name::kFrames), around.storage));
   if (!writes_outputs(asked.output))
     return Error{
         ErrorCode::Invalid,
