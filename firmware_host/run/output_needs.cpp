@@ -78,6 +78,36 @@ Result<void> check_numbered(std::string_view flag, const std::string& path) {
   return {};
 }
 
+Result<void> check_live_page(const Settings::Output& output) {
+  const std::string& address = output.path(sink_name::kHttp);
+  if (address.empty()) return {};
+  TRY(parse_http_address(address));
+  return check_http_token(output.http_token);
+}
+
+// Poses are of pictures that the run leaves.
+Result<void> check_posed_pictures(const Settings::Output& output) {
+  if (!needs_of(output).poses) return {};
+  TRY(check_numbered("--output", output.path(sink_name::kFrames)));
+  TRY(check_numbered("--preview", output.path(sink_name::kPreview)));
+  const PicturePatterns patterns = patterns_of(output.paths);
+  if (is_written(output, sink_name::kTransforms)) TRY(pictures_of("--transforms", patterns));
+  if (is_written(output, sink_name::kColmap)) TRY(pictures_of_colmap(patterns));
+  return {};
+}
+
+// What is shown of the field needs one.
+Result<void> check_field_is_there(const Settings& settings) {
+  const std::string shown = settings.fit.emit == EmitLayer::Field
+                                ? "--emit field"
+                                : first_asked(settings.output, &MotionOrDepth::is_of_field);
+  const std::string_view without_field = what_leaves_out_field(settings.fit);
+  if (shown.empty() || without_field.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{} comes from the field, which {} leaves out; leave out one "
+                                               "of them",
+                                               shown, without_field)};
+}
+
 }  // namespace
 
 OutputNeeds needs_of(const Settings::Output& output) {
@@ -124,34 +154,19 @@ void write_result_beside_frames(const Settings::Output& output, std::string_view
 }
 
 Result<void> check_needs(const Settings& settings) {
-  if (needs_of(settings.output).flow_forward && options_of(settings, FieldUse::Fills).knobs.look_ahead == 0)
+  const Settings::Output& output = settings.output;
+  if (needs_of(output).flow_forward && options_of(settings, FieldUse::Fills).knobs.look_ahead == 0)
     return Error{ErrorCode::Invalid,
                  "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
                  "look_ahead=1"};
-  if (settings.output.path(Settings::Output::kSnapshot) == kStandardOutput)
+  if (output.path(Settings::Output::kSnapshot) == kStandardOutput)
     return Error{
         ErrorCode::Invalid,
         "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
         "name a file"};
-  if (const std::string& address = settings.output.path(sink_name::kHttp); !address.empty()) {
-    TRY(parse_http_address(address));
-    TRY(check_http_token(settings.output.http_token));
-  }
-  if (needs_of(settings.output).poses) {
-    TRY(check_numbered("--output", settings.output.path(sink_name::kFrames)));
-    TRY(check_numbered("--preview", settings.output.path(sink_name::kPreview)));
-  }
-  const PicturePatterns patterns = patterns_of(settings.output.paths);
-  if (is_written(settings.output, sink_name::kTransforms)) TRY(pictures_of("--transforms", patterns));
-  if (is_written(settings.output, sink_name::kColmap)) TRY(pictures_of_colmap(patterns));
-  const std::string shown = settings.fit.emit == EmitLayer::Field
-                                ? "--emit field"
-                                : first_asked(settings.output, &MotionOrDepth::is_of_field);
-  const std::string_view without_field = what_leaves_out_field(settings.fit);
-  if (shown.empty() || without_field.empty()) return {};
-  return Error{ErrorCode::Invalid, fmt::format("{} comes from the field, which {} leaves out; leave out one "
-                                               "of them",
-                                               shown, without_field)};
+  TRY(check_live_page(output));
+  TRY(check_posed_pictures(output));
+  return check_field_is_there(settings);
 }
 
 bool tracks_poses(const Settings& settings) {
