@@ -160,10 +160,7 @@ Result<void> check_needs(const Settings& settings) {
                  "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
                  "look_ahead=1"};
   if (output.path(Settings::Output::kSnapshot) == kStandardOutput)
-    return Error{
-        ErrorCode::Invalid,
-        "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
-        "name a file"};
+    return not_to_standard_output("--snapshot");
   TRY(check_live_page(output));
   TRY(check_posed_pictures(output));
   return check_field_is_there(settings);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "firmware_host/sinks/dash.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
@@ -76,11 +77,7 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
     place.names = TRY(names_of(storage, output));
     return place;
   }
-  if (output.path == "-")
-    return Error{ErrorCode::Invalid,
-                 fmt::format("{} - would write a file named '-': only HDR frames go to the standard output; "
-                             "name a file",
-                             output.flag)};
+  if (output.path == kStandardOutput) return not_to_standard_output(output.flag);
   if (output.path.ends_with('/'))
     return Error{ErrorCode::Invalid,
                  fmt::format("{} '{}' names a folder; name a file in it", output.flag, output.path)};

@@ -25,10 +25,7 @@ std::string path_in(const Paths& paths, std::string_view sink) {
 Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths& paths) {
   for (const SinkKind& kind : kinds)
     if (path_in(paths, kind.name) == kStandardOutput && kind.name != sink_name::kFrames)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{} - would write a file named '-': only the frames of -o go to the standard "
-                               "output; name a file",
-                               kind.flag)};
+      return not_to_standard_output(kind.flag);
   return {};
 }
 

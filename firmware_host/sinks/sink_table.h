@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "firmware_host/sinks/async_sink.h"
+#include "firmware_host/sinks/dash.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_sink.h"
 #include "firmware_host/sinks/run_control.h"
@@ -33,8 +34,6 @@ struct SinkRequest {
   Trace* trace = nullptr;         // outlives the sink
   PicturePatterns patterns = {};  // of the run's pictures; SinkSet fills it in
 };
-
-inline constexpr std::string_view kStandardOutput = "-";
 
 // A sink's thread, and what it does when slower than the camera; with a recording the run waits.
 enum class SinkPace {

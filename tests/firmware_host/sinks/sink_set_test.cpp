@@ -72,9 +72,8 @@ TEST_CASE("the standard output takes frames alone, and a sheet is a PNG picture"
     CHECK(refused.error().code == ErrorCode::Invalid);
     return refused.error().message;
   };
-  CHECK(
-      refusal("stats", "-") ==
-      "--stats - would write a file named '-': only the frames of -o go to the standard output; name a file");
+  CHECK(refusal("stats", "-") ==
+        "--stats - would write a file named '-': only HDR frames go to the standard output; name a file");
   CHECK(refusal("report", "-").starts_with("--report - would write"));
   const std::string sheet = sample::scratch_folder("sink_names") + "/s.jpg";
   CHECK(refusal("sheet", sheet) ==
