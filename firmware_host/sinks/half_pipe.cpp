@@ -23,8 +23,8 @@ class HalfPipe : public FrameSink {
     if (written_ == 0) rows_ = radiance.rows(), cols_ = radiance.cols();
     if (radiance.rows() != rows_ || radiance.cols() != cols_)
       return Error{ErrorCode::SizeChanged,
-                   fmt::format("frame {} has {}x{} pixels in a stream of {}x{}", frame.hdr.facts.sequence,
-                               radiance.cols(), radiance.rows(), cols_, rows_)};
+                   fmt::format("frame {} has {}x{} pixels, and the stream {}x{}; give frames of one size",
+                               frame.hdr.facts.sequence, radiance.cols(), radiance.rows(), cols_, rows_)};
     const std::size_t n = radiance.plane_size();
     samples_.resize(3 * n);
     for (int c = 0; c < 3; ++c)

@@ -59,10 +59,10 @@ class HdrVideo : public FrameSink {
     const HdrFrame& frame = emitted.hdr;
     if (!writer_) TRY(open(frame));
     if (frame.radiance.rows() != format_.height_px || frame.radiance.cols() != format_.width_px)
-      return Error{
-          ErrorCode::SizeChanged,
-          fmt::format("frame {} has {}x{} pixels in a video of {}x{}", frame.facts.sequence,
-                      frame.radiance.cols(), frame.radiance.rows(), format_.width_px, format_.height_px)};
+      return Error{ErrorCode::SizeChanged,
+                   fmt::format("frame {} has {}x{} pixels, and the video {}x{}; give frames of one size",
+                               frame.facts.sequence, frame.radiance.cols(), frame.radiance.rows(),
+                               format_.width_px, format_.height_px)};
     show(frame.radiance);
     repeat_edges();
     ConstPicturePlanes planes;
