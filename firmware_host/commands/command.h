@@ -1,6 +1,6 @@
 // One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user
 // names it, `chosen` becomes the function to run. program.cpp parses, runs and turns the Error into one
-// sentence and an exit code.
+// sentence and an exit code. Thread-bound.
 #pragma once
 
 #include <atomic>

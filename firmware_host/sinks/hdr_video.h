@@ -1,7 +1,7 @@
 // HDR frames as a video: HDR10, HLG, or tone-mapped for displays without HDR. One scale, one shoulder or one
 // tone curve for the whole clip; each frame at its sensor time, counted from the first. The file is made
 // with the first frame and has its name from then on, because what is cut plays up to the cut
-// (hal/video/video_writer.h).
+// (hal/video/video_writer.h). Thread-bound.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ Result<void> check_video(const VideoOptions& options);
 
 // path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension, for options that
 // contradict each other and for a codec that such a file does not hold, Permission, NoSpace, Io; with the
-// first frame also Unsupported, where the codec refuses it.
+// first frame also Unsupported, where the codec refuses it; with a later one SizeChanged.
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options);
 

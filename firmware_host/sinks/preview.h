@@ -1,5 +1,5 @@
 // HDR frames as tone-mapped 8-bit PNG files, one per frame, for viewing: one tone curve for the whole clip
-// (render/tone_curve.h), so flicker in the preview is flicker in the frames.
+// (render/tone_curve.h), so flicker in the preview is flicker in the frames. Thread-bound.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The style sheet of report.html.
+// The style sheet of report.html, and of the page of `hdrcam bench pareto`.
 #pragma once
 
 namespace hdrcam {

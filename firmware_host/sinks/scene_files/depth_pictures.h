@@ -1,5 +1,5 @@
 // Depth as 16-bit grey PNGs, one per frame: camera z in thousandths of the unit of length (millimetres where
-// poses are given), 0 where it is unknown or beyond 65.535. The EXR layer Z has no such limits.
+// poses are given), 0 where it is unknown or beyond 65.535. The EXR layer Z has no such limits. Thread-bound.
 #pragma once
 
 #include <memory>

@@ -4,6 +4,7 @@
 // run has its name; so are frames after the first 100 000, which no such tool takes. Where tracking began
 // anew, a model has the poses of one world: of that with most pictures, of these the newest. Points are those
 // of its newest 32 frames that have any; while the run goes on they are kept of the three largest worlds.
+// Thread-bound.
 #pragma once
 
 #include <memory>
