@@ -81,26 +81,24 @@ std::vector<SettingField> camera_fields() {
   using enum StampMeaning;
   constexpr auto kGroup = &Settings::camera;
   return {
-      any<&Settings::camera, &C::id>("camera.id", "--camera", "a device, sim:SCENE or replay:FILE",
-                                     "the only camera"),
-      any<&Settings::camera, &C::format>("camera.format", "--format", "pixel format, such as YUYV",
-                                         "highest bit depth available"),
-      number<&Settings::camera, &C::width>("camera.width", "--width", "picture width in pixels",
-                                           {16, 65535, 0}, "the largest of up to 640x480"),
-      number<&Settings::camera, &C::height>("camera.height", "--height", "picture height in pixels",
-                                            {16, 65535, 0}, "the largest of up to 640x480"),
-      number<&Settings::camera, &C::framerate_hz>(
-          "camera.framerate", "--framerate", "frames per second; for encode: of files that state no time",
-          {0.1, 1000, 0}, "the camera's default, or 30"),
-      number<&Settings::camera, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
-                                             {4, kMostBuffers, {}}),
-      list<&Settings::camera, &C::control_delay>("camera.control_delay", "--control-delay",
-                                                 "exposure,gain control latency in frames, such as 2,1",
-                                                 "as the driver reports"),
-      number<&Settings::camera, &C::black_level>(
-          "camera.black_level", "--black-level",
-          "black level of raw formats, in codes of 255 (the scale of 8 bits)", {0, 254, -1},
-          "as the camera states it, or from the table of sensors"),
+      any<kGroup, &C::id>("camera.id", "--camera", "a device, sim:SCENE or replay:FILE", "the only camera"),
+      any<kGroup, &C::format>("camera.format", "--format", "pixel format, such as YUYV",
+                              "highest bit depth available"),
+      number<kGroup, &C::width>("camera.width", "--width", "picture width in pixels", {16, 65535, 0},
+                                "the largest of up to 640x480"),
+      number<kGroup, &C::height>("camera.height", "--height", "picture height in pixels", {16, 65535, 0},
+                                 "the largest of up to 640x480"),
+      number<kGroup, &C::framerate_hz>("camera.framerate", "--framerate",
+                                       "frames per second; for encode: of files that state no time",
+                                       {0.1, 1000, 0}, "the camera's default, or 30"),
+      number<kGroup, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
+                                  {4, kMostBuffers, {}}),
+      list<kGroup, &C::control_delay>("camera.control_delay", "--control-delay",
+                                      "exposure,gain control latency in frames, such as 2,1",
+                                      "as the driver reports"),
+      number<kGroup, &C::black_level>("camera.black_level", "--black-level",
+                                      "black level of raw formats, in codes of 255 (the scale of 8 bits)",
+                                      {0, 254, -1}, "as the camera states it, or from the table of sensors"),
       choice<kGroup, &C::timestamp>(
           "camera.timestamp", "--timestamp",
           "what the timestamp marks: start or end of exposure, or what the driver reports",
@@ -119,18 +117,18 @@ std::vector<SettingField> camera_fields() {
 
 std::vector<SettingField> schedule_fields() {
   using S = Settings::Schedule;
+  constexpr auto kGroup = &Settings::schedule;
   return {
-      times<&Settings::schedule, &S::shutter>(
-          "schedule.shutter", "--shutter", "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
-      list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
-                                          "analogue gain of each exposure, or one for all",
-                                          "1, or the sensor's least"),
-      choice<&Settings::schedule, &S::adapt>(
+      times<kGroup, &S::shutter>("schedule.shutter", "--shutter",
+                                 "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
+      list<kGroup, &S::gain>("schedule.gain", "--gain", "analogue gain of each exposure, or one for all",
+                             "1, or the sensor's least"),
+      choice<kGroup, &S::adapt>(
           "schedule.adapt", "--adapt",
           "what the cycle follows: the light (shortest exposure keeps the highlights, longest the shadows), "
           "or the error that the fit expects of noise, clipping and motion blur",
           {{"off", Adapt::Off}, {"light", Adapt::Light}, {"motion", Adapt::Motion}}),
-      choice<&Settings::schedule, &S::mains>(
+      choice<kGroup, &S::mains>(
           "schedule.mains", "--mains",
           "mains frequency in Hz (anti-flicker): long exposures become whole half periods",
           {{"off", Mains::Off}, {"50", Mains::Hz50}, {"60", Mains::Hz60}}),
@@ -141,17 +139,16 @@ std::vector<SettingField> sync_fields() {
   using S = Settings::Sync;
   constexpr auto kGroup = &Settings::sync;
   return {
-      any<&Settings::sync, &S::line>("sync.line", "--sync-line",
-                                     "GPIO line of the strobe: gpiochip0:17, its name, or sim", "none"),
-      choice<&Settings::sync, &S::strobe>(
+      any<kGroup, &S::line>("sync.line", "--sync-line",
+                            "GPIO line of the strobe: gpiochip0:17, its name, or sim", "none"),
+      choice<kGroup, &S::strobe>(
           "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
           {{"frame", StrobePulse::MarksFrame}, {"exposure", StrobePulse::SpansExposure}}),
-      delay<&Settings::sync, &S::strobe_delay>("sync.strobe_delay", "--strobe-delay",
-                                               "time from the driver's timestamp to the pulse's rising edge, "
-                                               "or to its falling edge where it spans the "
-                                               "exposure and the timestamp marks the end: 250us, -2ms or 0"),
-      any<&Settings::sync, &S::active_low>("sync.active_low", "--sync-active-low",
-                                           "the strobe is active low"),
+      delay<kGroup, &S::strobe_delay>("sync.strobe_delay", "--strobe-delay",
+                                      "time from the driver's timestamp to the pulse's rising edge, "
+                                      "or to its falling edge where it spans the "
+                                      "exposure and the timestamp marks the end: 250us, -2ms or 0"),
+      any<kGroup, &S::active_low>("sync.active_low", "--sync-active-low", "the strobe is active low"),
       any<kGroup, &S::trigger_line>(
           "sync.trigger_line", "--trigger-line",
           "GPIO line that triggers the sensor: gpiochip0:17, its name, or sim for a simulated camera",
@@ -218,12 +215,11 @@ std::vector<SettingField> fit_fields() {
       deadline_field(),
       flag_of_knob("look_ahead", "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
                    {0, 2, -1}, -1, "those of the preset"),
-      number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
-                                          "all processors"),
+      number<kGroup, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
+                                  "all processors"),
       readout_field(),
       backend_field(),
-      number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
-                                       {0, kUnlimited, {}}),
+      number<kGroup, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays", {0, kUnlimited, {}}),
       flag_of_knob("code_noise", "fit.code_noise", "--code-noise",
                    "start value of the estimated compression noise, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
                    1.0),
@@ -280,12 +276,13 @@ SettingField white_balance_field() {
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
   using L = ExrLayers;
+  constexpr auto kGroup = &Settings::output;
   std::vector<SettingField> fields;
   for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
   fields.push_back(path_of(
       O::kSnapshot, "--snapshot",
       "the scene of the last frames, for 'hdrcam render' to film without the recording: scene.hdrscene"));
-  fields.push_back(words<&Settings::output, &O::layers>(
+  fields.push_back(words<kGroup, &O::layers>(
       "output.layers", "--layers",
       "more EXR channels; flow is the state's motion to the previous frame, field_flow the field's", "none",
       {{"depth", &L::depth},
@@ -296,17 +293,17 @@ std::vector<SettingField> output_fields() {
        {"confidence", &L::confidence},
        {"provenance", &L::provenance}}));
   using C = FrameCompression;
-  fields.push_back(choice<&Settings::output, &O::compression>(
+  fields.push_back(choice<kGroup, &O::compression>(
       "output.compression", "--compression",
       "compression of the EXR files, all without loss: piz is the smallest, rle takes a third of its time; "
       "auto: piz, but none beside a camera, which does not wait",
       {{"auto", C::Auto}, {"piz", C::Piz}, {"zip", C::Zip}, {"rle", C::Rle}, {"none", C::None}}));
   fields.push_back(white_balance_field());
-  fields.push_back(any<&Settings::output, &O::http_token>(
+  fields.push_back(any<kGroup, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need, 8 characters or more",
       "made at the start"));
   fields.back().secret = true;
-  fields.push_back(file<&Settings::output, &O::http_takes>(
+  fields.push_back(file<kGroup, &O::http_takes>(
       "output.http_record", "--http-record", "recordings that the live page starts: takes/%03d.mkv", "none"));
   for (SettingField& field : video_fields()) fields.push_back(std::move(field));
   return fields;
@@ -314,17 +311,17 @@ std::vector<SettingField> output_fields() {
 
 std::vector<SettingField> record_fields() {
   using R = Settings::Record;
+  constexpr auto kGroup = &Settings::record;
   return {
-      file<&Settings::record, &R::file>(
-          "record.file", "--record",
-          "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
-      choice<&Settings::record, &R::codec>(
+      file<kGroup, &R::file>("record.file", "--record",
+                             "the raw recording to write: walk.mkv; {start} becomes the time of the start",
+                             "none"),
+      choice<kGroup, &R::codec>(
           "record.codec", "--record-codec",
           "lossless codec of the recording: huffyuv takes a fifth of the time, ffv1 a fifth less space",
           {{"huffyuv", RecordingCodec::Huffyuv}, {"ffv1", RecordingCodec::Ffv1}}),
-      number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
-                                                "memory for frames that wait for the disk, MiB",
-                                                {1, 65536, {}}),
+      number<kGroup, &R::memory_mib>("record.memory_mib", "--record-memory",
+                                     "memory for frames that wait for the disk, MiB", {1, 65536, {}}),
   };
 }
 
