@@ -18,16 +18,27 @@ namespace {
 constexpr std::string_view kSim = "sim:", kReplay = "replay:";
 constexpr int kUsualArea_px = 640 * 480;  // at most, where no size is set: what the fit keeps up with
 
+// How finely chroma is sampled: 4:4:4 before 4:2:2 before 4:2:0.
+int chroma_rank(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::Rgb24:
+    case PixelFormat::Bgr24:
+      return 3;
+    case PixelFormat::Yuyv:
+      return 2;
+    case PixelFormat::Nv12:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
 // Larger is better: raw before processed, more bits before fewer, full before subsampled chroma, then as
 // listed.
-std::tuple<bool, int, int, int> worth(PixelFormat format) {
+std::tuple<bool, int, int, int> rank_of(PixelFormat format) {
   const PixelCodes codes = codes_of(format);
   const bool colour = codes.layout != PixelLayout::Mono;
-  const int chroma = format == PixelFormat::Rgb24 || format == PixelFormat::Bgr24 ? 3
-                     : format == PixelFormat::Yuyv                                ? 2
-                     : format == PixelFormat::Nv12                                ? 1
-                                                                                  : 0;
-  return {colour && codes.linear, colour ? codes.bits : 0, chroma, -static_cast<int>(format)};
+  return {colour && codes.linear, colour ? codes.bits : 0, chroma_rank(format), -static_cast<int>(format)};
 }
 
 std::string modes_of(const CameraCapabilities& camera) {
@@ -42,7 +53,8 @@ std::string modes_of(const CameraCapabilities& camera) {
   return fmt::format("{}{}", fmt::join(texts, ", "), hidden > 0 ? fmt::format(" and {} more", hidden) : "");
 }
 
-// The cost of a mode: smaller is better.
+// Smaller is better. Of a size that is set: how far the mode's is from it. Else whether it is larger than
+// usual; then, of usual sizes the largest, of larger ones the smallest.
 std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& mode) {
   if (wanted.width > 0 || wanted.height > 0)
     return {(wanted.width > 0 ? std::abs(mode.width - wanted.width) : 0) +
@@ -82,7 +94,7 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   }
   const StreamMode* best = nullptr;
   const auto better = [&](const StreamMode& a, const StreamMode& b) {
-    if (worth(a.format) != worth(b.format)) return worth(a.format) > worth(b.format);
+    if (rank_of(a.format) != rank_of(b.format)) return rank_of(a.format) > rank_of(b.format);
     return misfit(wanted, a) < misfit(wanted, b);
   };
   for (const StreamMode& mode : camera.modes)
