@@ -103,7 +103,7 @@ void add_window(KernelTasks& tasks, int rows, int cols) {
   const auto room = std::make_shared<Room>(Room{RandomPlanes(3, rows, cols, 0.01f, 1, 1),
                                                 RandomPlanes(2, rows, cols, -6, 6, 2),
                                                 RandomPlanes(3, rows, cols, 0, 0, 3)});
-  add_rows(tasks, "window: base", rows, cols, 30, 4, [room, cols](int y) {
+  add_rows(tasks, "window: base", rows, cols, {.flops = 30, .planes = 4}, [room, cols](int y) {
     window_kernels().base({.radiance = room->in.row(0, y),
                            .variance = room->in.row(1, y),
                            .unseen_from = 1e6f,
@@ -113,42 +113,45 @@ void add_window(KernelTasks& tasks, int rows, int cols) {
                           cols);
   });
   // half as many blocks as a row has pixels: two rows each
-  add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, 16, 10, [room, cols](int y) {
-    const auto blocks = [&](int channel, int x, int n) {
-      return BlockRow{.row = {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x},
-                      .step = 2,
-                      .cols = 2 * n};
-    };
-    for (int x = 0; x < cols / 2; x += kMostBlocks) {
-      const int n = std::min(kMostBlocks, cols / 2 - x);
-      window_kernels().block_state({.radiance = blocks(0, x, n),
-                                    .variance = blocks(1, x, n),
-                                    .unseen_from = 1e6f,
-                                    .mean = room->out.row(0, y) + x,
-                                    .variance_of_mean = room->out.row(1, y) + x},
-                                   n);
-    }
-  });
-  add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
-    const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
-    const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
-    window_kernels().lift({.dx = room->flow.row(0, y),
-                           .dy = room->flow.row(1, y),
-                           .confidence = room->in.row(0, y),
-                           .surface = room->in.row(1, y),
-                           .x = 0.5f,
-                           .y = static_cast<float>(y) + 0.5f,
-                           .here = camera,
-                           .there = camera,
-                           .focal = {2 * half_width, 2 * half_width},
-                           .centre = {half_width, half_height},
-                           .nearest = ViewGeometry<float>::kNearest,
-                           .most = 512,
-                           .u = room->out.row(0, y),
-                           .v = room->out.row(1, y),
-                           .sure = room->out.row(2, y)},
-                          cols);
-  });
+  add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, {.flops = 16, .planes = 10},
+           [room, cols](int y) {
+             const auto blocks = [&](int channel, int x, int n) {
+               return BlockRow{
+                   .row = {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x},
+                   .step = 2,
+                   .cols = 2 * n};
+             };
+             for (int x = 0; x < cols / 2; x += kMostBlocks) {
+               const int n = std::min(kMostBlocks, cols / 2 - x);
+               window_kernels().block_state({.radiance = blocks(0, x, n),
+                                             .variance = blocks(1, x, n),
+                                             .unseen_from = 1e6f,
+                                             .mean = room->out.row(0, y) + x,
+                                             .variance_of_mean = room->out.row(1, y) + x},
+                                            n);
+             }
+           });
+  add_rows(tasks, "window: flow lifted to surfaces", rows, cols, {.flops = 50, .planes = 7},
+           [room, rows, cols](int y) {
+             const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
+             const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
+             window_kernels().lift({.dx = room->flow.row(0, y),
+                                    .dy = room->flow.row(1, y),
+                                    .confidence = room->in.row(0, y),
+                                    .surface = room->in.row(1, y),
+                                    .x = 0.5f,
+                                    .y = static_cast<float>(y) + 0.5f,
+                                    .here = camera,
+                                    .there = camera,
+                                    .focal = {2 * half_width, 2 * half_width},
+                                    .centre = {half_width, half_height},
+                                    .nearest = ViewGeometry<float>::kNearest,
+                                    .most = 512,
+                                    .u = room->out.row(0, y),
+                                    .v = room->out.row(1, y),
+                                    .sure = room->out.row(2, y)},
+                                   cols);
+           });
 }
 
 void add_field(KernelTasks& tasks) {

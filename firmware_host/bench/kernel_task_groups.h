@@ -48,11 +48,18 @@ void add_picture_kernel(KernelTasks& tasks, std::string name, double pixels, con
   tasks.push_back(std::move(task));
 }
 
-// Adds a kernel that takes a picture row by row: row(y). planes: read or written.
+// The same of a kernel that takes planes of floats. planes: read or written.
+struct PlaneWork {
+  double flops = 0;
+  int planes = 0;
+};
+
+// Adds a kernel that takes a picture row by row: row(y).
 template <class Row>
-void add_rows(KernelTasks& tasks, std::string name, int rows, int cols, double flops, int planes, Row&& row) {
+void add_rows(KernelTasks& tasks, std::string name, int rows, int cols, const PlaneWork& each, Row&& row) {
   add_picture_kernel(tasks, std::move(name), static_cast<double>(rows) * cols,
-                     {.flops = flops, .bytes = 4.0 * planes}, [rows, row = std::forward<Row>(row)] {
+                     {.flops = each.flops, .bytes = static_cast<double>(sizeof(float)) * each.planes},
+                     [rows, row = std::forward<Row>(row)] {
                        for (int y = 0; y < rows; ++y) row(y);
                      });
 }

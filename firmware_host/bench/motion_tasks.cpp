@@ -94,19 +94,20 @@ void add_flow(KernelTasks& tasks, const SharedRoom& room) {
     kernels.spread(search(), 0, rows, {room->flow.plane(0), room->flow.plane(1)}, room->weight.plane(0));
   });
   // a place 8, the sum of there and back and its length 5, an exponential 21, bounds 4
-  add_rows(tasks, "flow: rating", rows, cols, 38, 5, [room, &kernels, rows, cols](int y) {
-    kernels.rate({.there = room->vectors.plane(0),
-                  .back = room->vectors.plane(2),
-                  .rows = rows,
-                  .cols = cols,
-                  .y0 = y,
-                  .y1 = y + 1,
-                  .codes = nullptr,
-                  .darkest = 0,
-                  .brightest = 255,
-                  .assumed = 0.5f,
-                  .confidence = room->weight.plane(0)});
-  });
+  add_rows(tasks, "flow: rating", rows, cols, {.flops = 38, .planes = 5},
+           [room, &kernels, rows, cols](int y) {
+             kernels.rate({.there = room->vectors.plane(0),
+                           .back = room->vectors.plane(2),
+                           .rows = rows,
+                           .cols = cols,
+                           .y0 = y,
+                           .y1 = y + 1,
+                           .codes = nullptr,
+                           .darkest = 0,
+                           .brightest = 255,
+                           .assumed = 0.5f,
+                           .confidence = room->weight.plane(0)});
+           });
 }
 
 // The motion over a frame that is clipped everywhere, and the one that is predicted from it.
@@ -123,7 +124,7 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   const auto nowhere = std::make_shared<Image<float>>(1, 1, cols / kLandingCell + 1);
   nowhere->fill(kNowhere);
   // two rounds: places 18, a mean 6, a bend 25; then a place 10, two shares 17, what they take over 10
-  add_rows(tasks, "motion over a clipped frame", rows, cols, 2 * (18 + 6 + 25) + 37, 15,
+  add_rows(tasks, "motion over a clipped frame", rows, cols, {.flops = 2 * (18 + 6 + 25) + 37, .planes = 15},
            [room, clipped, nowhere, path, rows, cols](int y) {
              clipped_motion_kernels().bridge({.at = {rows, cols, y},
                                               .clipped = clipped->row(0, y),
@@ -139,8 +140,8 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   // two rounds as above; then a difference 5, a place 10, a share 8, bounds 4, and seven sums of it
   const auto cells =
       std::make_shared<std::vector<CheckedPathCell>>(static_cast<std::size_t>(cols / kLandingCell + 1));
-  add_rows(tasks, "motion over a clipped frame: check", rows, cols, 2 * (18 + 6 + 25) + 34, 9,
-           [room, clipped, cells, path, rows, cols](int y) {
+  add_rows(tasks, "motion over a clipped frame: check", rows, cols,
+           {.flops = 2 * (18 + 6 + 25) + 34, .planes = 9}, [room, clipped, cells, path, rows, cols](int y) {
              clipped_motion_kernels().compare({.at = {rows, cols, y},
                                                .clipped = clipped->row(0, y),
                                                .clipped_after = clipped->plane(1),
@@ -150,17 +151,18 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
                                                .cells = cells->data()});
            });
   // a place 8, a change 4 and its length 3, two shares 16 and what they make of it 9
-  add_rows(tasks, "motion of the next step", rows, cols, 40, 8, [room, clipped, rows, cols](int y) {
-    clipped_motion_kernels().predict({.at = {rows, cols, y},
-                                      .u = room->vectors.row(0, y),
-                                      .v = room->vectors.row(1, y),
-                                      .measured = clipped->row(0, y),
-                                      .last = room->vectors.plane(2),
-                                      .measured_before = clipped->plane(0),
-                                      .ratio = 1,
-                                      .next_u = room->flow.row(0, y),
-                                      .next_v = room->flow.row(1, y)});
-  });
+  add_rows(tasks, "motion of the next step", rows, cols, {.flops = 40, .planes = 8},
+           [room, clipped, rows, cols](int y) {
+             clipped_motion_kernels().predict({.at = {rows, cols, y},
+                                               .u = room->vectors.row(0, y),
+                                               .v = room->vectors.row(1, y),
+                                               .measured = clipped->row(0, y),
+                                               .last = room->vectors.plane(2),
+                                               .measured_before = clipped->plane(0),
+                                               .ratio = 1,
+                                               .next_u = room->flow.row(0, y),
+                                               .next_v = room->flow.row(1, y)});
+           });
 }
 
 void add_refinement(KernelTasks& tasks, const SharedRoom& room) {

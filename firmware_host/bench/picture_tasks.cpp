@@ -88,9 +88,11 @@ void add_pictures(KernelTasks& tasks, int rows, int cols) {
             {.flops = 10 + 3 * 6, .bytes = 32, .look_ups = 3 * 2});
   add_warps(tasks, room, "warp, bicubic, rgb", kernels.warp_cubic, 0.25f,
             {.flops = 10 + 20 + 3 * 47, .bytes = 32, .look_ups = 3 * 4});
-  add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
-    kernels.window(window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
-  });
+  add_rows(tasks, "mean and variance, 3x3", rows, cols, {.flops = 16, .planes = 3},
+           [room, &kernels, rows, cols](int y) {
+             kernels.window(
+                 window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
+           });
   add_blur(tasks, room);
 }
 
@@ -102,17 +104,18 @@ void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
       Room{RandomPlanes(6, rows, cols, 0.01f, 1, 1), RandomPlanes(6, rows, cols, 0, 0, 2),
            RandomPlanes(6, rows, cols, 0, 0, 3), RandomPlanes(3, rows, cols, 0, 0, 4)});
   const ShrinkageKernels& kernels = shrinkage_kernels();
-  add_rows(tasks, "shrinkage: to opponent colours", rows, cols, 90, 18, [room, &kernels, cols](int y) {
-    RandomPlanes &in = room->in, &opponent = room->opponent, &sum = room->sum;
-    kernels.to_opponent({.radiance = {in.row(0, y), in.row(1, y), in.row(2, y)},
-                         .variance = {in.row(3, y), in.row(4, y), in.row(5, y)},
-                         .offset = 0.01f,
-                         .opponent = {opponent.row(0, y), opponent.row(1, y), opponent.row(2, y)},
-                         .noise = {opponent.row(3, y), opponent.row(4, y), opponent.row(5, y)},
-                         .sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
-                         .weight = {sum.row(3, y), sum.row(4, y), sum.row(5, y)}},
-                        cols);
-  });
+  add_rows(tasks, "shrinkage: to opponent colours", rows, cols, {.flops = 90, .planes = 18},
+           [room, &kernels, cols](int y) {
+             RandomPlanes &in = room->in, &opponent = room->opponent, &sum = room->sum;
+             kernels.to_opponent({.radiance = {in.row(0, y), in.row(1, y), in.row(2, y)},
+                                  .variance = {in.row(3, y), in.row(4, y), in.row(5, y)},
+                                  .offset = 0.01f,
+                                  .opponent = {opponent.row(0, y), opponent.row(1, y), opponent.row(2, y)},
+                                  .noise = {opponent.row(3, y), opponent.row(4, y), opponent.row(5, y)},
+                                  .sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                                  .weight = {sum.row(3, y), sum.row(4, y), sum.row(5, y)}},
+                                 cols);
+           });
   std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
   thresholds.fill(1);
   KernelTask tiles;
@@ -133,14 +136,15 @@ void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
   };
   tasks.push_back(std::move(tiles));
   const auto weights = std::make_shared<RandomPlanes>(3, rows, cols, 1.f, 2.f, 5);
-  add_rows(tasks, "shrinkage: to radiance", rows, cols, 80, 9, [room, weights, &kernels, cols](int y) {
-    RandomPlanes &sum = room->in, &weight = *weights, &out = room->out;
-    kernels.to_radiance({.sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
-                         .weight = {weight.row(0, y), weight.row(1, y), weight.row(2, y)},
-                         .offset = 0.01f,
-                         .radiance = {out.row(0, y), out.row(1, y), out.row(2, y)}},
-                        cols);
-  });
+  add_rows(tasks, "shrinkage: to radiance", rows, cols, {.flops = 80, .planes = 9},
+           [room, weights, &kernels, cols](int y) {
+             RandomPlanes &sum = room->in, &weight = *weights, &out = room->out;
+             kernels.to_radiance({.sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                                  .weight = {weight.row(0, y), weight.row(1, y), weight.row(2, y)},
+                                  .offset = 0.01f,
+                                  .radiance = {out.row(0, y), out.row(1, y), out.row(2, y)}},
+                                 cols);
+           });
 }
 
 }  // namespace hdrcam

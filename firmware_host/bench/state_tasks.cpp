@@ -33,7 +33,7 @@ SharedRoom state_room(int rows, int cols) {
 void add_samples(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
   const int rows = room->rows, cols = room->cols;
-  add_rows(tasks, "fusion: samples", rows, cols, 34, 5, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: samples", rows, cols, {.flops = 34, .planes = 5}, [room, &kernels, cols](int y) {
     kernels.sample({.codes = room->codes.row(0, y),
                     .brightest = room->codes.row(1, y),
                     .radiances = room->tables.radiances(1).data(),
@@ -42,17 +42,18 @@ void add_samples(KernelTasks& tasks, const SharedRoom& room) {
                     .comparable = room->out.row(2, y)},
                    cols);
   });
-  add_rows(tasks, "fusion: codes of the state", rows, cols, 40, 7, [room, &kernels, cols](int y) {
-    RandomPlanes& r = room->radiance;
-    const float* codes = room->tables.codes(1).data();
-    kernels.record({.radiance = {r.row(0, y), r.row(1, y), r.row(2, y)},
-                    .blur = {r.row(3, y), r.row(4, y), r.row(5, y)},
-                    .codes = {codes, codes, codes},
-                    .exposure = room->tables.exposure(),
-                    .gray = room->out.row(0, y)},
-                   cols);
-  });
-  add_rows(tasks, "fusion: stand-ins", rows, cols, 1, 4, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: codes of the state", rows, cols, {.flops = 40, .planes = 7},
+           [room, &kernels, cols](int y) {
+             RandomPlanes& r = room->radiance;
+             const float* codes = room->tables.codes(1).data();
+             kernels.record({.radiance = {r.row(0, y), r.row(1, y), r.row(2, y)},
+                             .blur = {r.row(3, y), r.row(4, y), r.row(5, y)},
+                             .codes = {codes, codes, codes},
+                             .exposure = room->tables.exposure(),
+                             .gray = room->out.row(0, y)},
+                            cols);
+           });
+  add_rows(tasks, "fusion: stand-ins", rows, cols, {.flops = 1, .planes = 4}, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
     kernels.stand_in({.state = r.row(0, y),
                       .variance = r.row(1, y),
@@ -67,25 +68,26 @@ void add_samples(KernelTasks& tasks, const SharedRoom& room) {
 void add_gate(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
   const int rows = room->rows, cols = room->cols;
-  add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, cols](int y) {
-    RandomPlanes& r = room->radiance;
-    kernels.compare({.state = r.row(0, y),
-                     .variance = r.row(1, y),
-                     .mean = r.row(2, y),
-                     .contrast = r.row(3, y),
-                     .sample = r.row(4, y),
-                     .comparable = room->share.row(0, y),
-                     .blur = r.row(5, y),
-                     .noise = room->noise(),
-                     .unseen_from = 1e6f,
-                     .relative2 = 1e-3f,
-                     .texture2 = 1e-2f,
-                     .blur_tolerance = 0.1f,
-                     .chi2 = room->out.row(0, y),
-                     .covered = room->out.row(1, y)},
-                    cols);
-  });
-  add_rows(tasks, "fusion: gate", rows, cols, 67, 13, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: comparison", rows, cols, {.flops = 25, .planes = 11},
+           [room, &kernels, cols](int y) {
+             RandomPlanes& r = room->radiance;
+             kernels.compare({.state = r.row(0, y),
+                              .variance = r.row(1, y),
+                              .mean = r.row(2, y),
+                              .contrast = r.row(3, y),
+                              .sample = r.row(4, y),
+                              .comparable = room->share.row(0, y),
+                              .blur = r.row(5, y),
+                              .noise = room->noise(),
+                              .unseen_from = 1e6f,
+                              .relative2 = 1e-3f,
+                              .texture2 = 1e-2f,
+                              .blur_tolerance = 0.1f,
+                              .chi2 = room->out.row(0, y),
+                              .covered = room->out.row(1, y)},
+                             cols);
+           });
+  add_rows(tasks, "fusion: gate", rows, cols, {.flops = 67, .planes = 13}, [room, &kernels, cols](int y) {
     RandomPlanes &r = room->radiance, &s = room->share;
     kernels.gate({.chi2 = r.row(0, y),
                   .covered = s.row(0, y),
@@ -105,7 +107,7 @@ void add_gate(KernelTasks& tasks, const SharedRoom& room) {
 void add_update(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
   const int rows = room->rows, cols = room->cols;
-  add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: update", rows, cols, {.flops = 35, .planes = 11}, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
     kernels.update({.state = r.row(0, y),
                     .variance = r.row(7, y),
@@ -129,14 +131,15 @@ void add_update(KernelTasks& tasks, const SharedRoom& room) {
                     .share = room->out.row(2, y)},
                    cols);
   });
-  add_rows(tasks, "fusion: doubt of textures", rows, cols, 10, 3, [room, &kernels, cols](int y) {
-    RandomPlanes& r = room->radiance;
-    kernels.doubt_textures({.mean = r.row(2, y),
-                            .hidden = {room->tables.hidden(1).data(), room->tables.exposure()},
-                            .share = 0.05f,
-                            .doubt = r.row(8, y)},
-                           cols);
-  });
+  add_rows(tasks, "fusion: doubt of textures", rows, cols, {.flops = 10, .planes = 3},
+           [room, &kernels, cols](int y) {
+             RandomPlanes& r = room->radiance;
+             kernels.doubt_textures({.mean = r.row(2, y),
+                                     .hidden = {room->tables.hidden(1).data(), room->tables.exposure()},
+                                     .share = 0.05f,
+                                     .doubt = r.row(8, y)},
+                                    cols);
+           });
 }
 
 // The state is carried to the next frame.
@@ -144,12 +147,15 @@ void add_carrying(KernelTasks& tasks, const SharedRoom& room) {
   const FusionKernels& kernels = fusion_kernels();
   const int rows = room->rows, cols = room->cols;
   const auto flow = std::make_shared<RandomPlanes>(2, rows, cols, -6, 6, 5);
-  add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 3, [room, flow, &kernels, cols](int y) {
-    kernels.warp_variance(
-        {.dx = flow->row(0, y), .dy = flow->row(1, y), .scale = 0.4f, .per_contrast = room->out.row(3, y)},
-        cols);
-  });
-  add_rows(tasks, "fusion: ageing", rows, cols, 18, 8, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: variance of a warp", rows, cols, {.flops = 22, .planes = 3},
+           [room, flow, &kernels, cols](int y) {
+             kernels.warp_variance({.dx = flow->row(0, y),
+                                    .dy = flow->row(1, y),
+                                    .scale = 0.4f,
+                                    .per_contrast = room->out.row(3, y)},
+                                   cols);
+           });
+  add_rows(tasks, "fusion: ageing", rows, cols, {.flops = 18, .planes = 8}, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
     kernels.age({.state = r.row(0, y),
                  .variance = r.row(7, y),
