@@ -16,67 +16,88 @@ int fewer(int steps) {
   return steps > kFew ? steps / 4 : steps / 2;
 }
 
-}  // namespace
+// The rungs so far. Each step adds those that give up one thing more, none where it is given up already.
+class LadderSteps {
+ public:
+  explicit LadderSteps(const FrameBudget& asked)
+      : rung_{.name = "as asked", .budget = asked}, ladder_{rung_} {}
 
-std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, PreviewUse previews) {
-  std::vector<Rung> ladder{{.name = "as asked", .budget = asked}};
-  Rung rung = ladder.front();
-  const auto add = [&](std::string name) {
-    rung.name = std::move(name);
-    ladder.push_back(rung);
-  };
-  if (previews == PreviewUse::Some) {
-    rung.previews = false;
+  void leave_out_previews() {
+    rung_.previews = false;
     add("no previews");
   }
-  if (field != FieldUse::None) {
-    int& steps = rung.budget.fit.steps;
+  void fit_less() {
+    int& steps = rung_.budget.fit.steps;
     while (steps > 1) {
       steps = fewer(steps);
       add(fmt::format("{} of the fit", counted(steps, "step")));
     }
   }
-  if (field == FieldUse::Fills) {
-    rung.budget.field_rests = true;
+  void rest_field() {
+    rung_.budget.field_rests = true;
     add("no field");
   }
-  if (rung.budget.later_frames > 1) {
-    rung.budget.later_frames = 1;
-    add("one later frame");
-  }
-  const auto lower_flow = [&](FlowQuality quality, const char* name) {
-    if (rung.budget.flow <= quality) return;
-    rung.budget.flow = quality;
+  void look_ahead(int frames, const char* name) {
+    if (rung_.budget.later_frames <= frames) return;
+    rung_.budget.later_frames = frames;
     add(name);
-  };
-  lower_flow(FlowQuality::Medium, "flow medium");
-  lower_flow(FlowQuality::Fast, "flow fast");
-  if (std::min(rung.budget.flow, rung.budget.flow_over_clipped) > FlowQuality::Coarse) {
-    rung.budget.flow_over_clipped = FlowQuality::Coarse;
-    add("flow over clipped parts coarse");
   }
-  if (rung.budget.shrinkage == ShrinkageEffort::Dense) {
-    rung.budget.shrinkage = ShrinkageEffort::On;
-    add("fewer shrinkage tiles");
+  void lower_flow(FlowQuality quality, const char* name) {
+    if (rung_.budget.flow <= quality) return;
+    rung_.budget.flow = quality;
+    add(name);
   }
-  if (rung.budget.later_frames > 0) {
-    rung.budget.later_frames = 0;
-    add("no look-ahead");
+  void lower_flow_over_clipped(FlowQuality quality, const char* name) {
+    if (std::min(rung_.budget.flow, rung_.budget.flow_over_clipped) <= quality) return;
+    rung_.budget.flow_over_clipped = quality;
+    add(name);
   }
-  if (rung.budget.blurs) {
-    rung.budget.blurs = false;
+  void shrink_less(ShrinkageEffort effort, const char* name) {
+    if (rung_.budget.shrinkage <= effort) return;
+    rung_.budget.shrinkage = effort;
+    add(name);
+  }
+  void leave_out_blur() {
+    if (!rung_.budget.blurs) return;
+    rung_.budget.blurs = false;
     add("no motion blur");
   }
-  lower_flow(FlowQuality::Coarse, "flow coarse");
-  if (rung.budget.shrinkage != ShrinkageEffort::Off) {
-    rung.budget.shrinkage = ShrinkageEffort::Off;
-    add("no shrinkage");
-  }
-  for (const auto& [emitted, of] : {std::pair(3, 4), {1, 2}}) {
-    rung.emitted = emitted, rung.of = of;
+  void emit(int emitted, int of) {
+    rung_.emitted = emitted, rung_.of = of;
     add(fmt::format("{} in {}", counted(emitted, "frame"), of));
   }
-  return ladder;
+
+  std::vector<Rung> take() { return std::move(ladder_); }
+
+ private:
+  void add(std::string name) {
+    rung_.name = std::move(name);
+    ladder_.push_back(rung_);
+  }
+
+  Rung rung_;
+  std::vector<Rung> ladder_;
+};
+
+}  // namespace
+
+std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, PreviewUse previews) {
+  LadderSteps steps(asked);
+  if (previews == PreviewUse::Some) steps.leave_out_previews();
+  if (field != FieldUse::None) steps.fit_less();
+  if (field == FieldUse::Fills) steps.rest_field();
+  steps.look_ahead(1, "one later frame");
+  steps.lower_flow(FlowQuality::Medium, "flow medium");
+  steps.lower_flow(FlowQuality::Fast, "flow fast");
+  steps.lower_flow_over_clipped(FlowQuality::Coarse, "flow over clipped parts coarse");
+  steps.shrink_less(ShrinkageEffort::On, "fewer shrinkage tiles");
+  steps.look_ahead(0, "no look-ahead");
+  steps.leave_out_blur();
+  steps.lower_flow(FlowQuality::Coarse, "flow coarse");
+  steps.shrink_less(ShrinkageEffort::Off, "no shrinkage");
+  steps.emit(3, 4);
+  steps.emit(1, 2);
+  return steps.take();
 }
 
 }  // namespace hdrcam
