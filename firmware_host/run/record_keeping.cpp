@@ -46,21 +46,22 @@ void note_response(const SensorModel& sensor, RunRecord& record) {
         fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
 }
 
+// Why a sample has a share of the local contrast in its variance; of_mosaic: what a mosaic explains of it.
+const char* cause_of_texture_error(float share, float of_mosaic) {
+  if (of_mosaic == 0) return "the camera processes textures";
+  return share > of_mosaic ? "colours of a mosaic, and what else pictures differ by" : "colours of a mosaic";
+}
+
 // What a sample is taken to err by.
 void note_errors(const SensorModel& sensor, RunRecord& record) {
   const NoiseModel& noise = sensor.noise();
   record.notes.push_back(fmt::format("noise{}: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      sensor.noise_measured() ? "" : " (assumed, not measured)",
                                      noise.full_well, noise.read_noise));
-  if (const float share = sensor.texture_error(); share > 0) {
-    const float of_mosaic = sensor.texture_error_of_mosaic();
+  if (const float share = sensor.texture_error(); share > 0)
     record.notes.push_back(fmt::format("{}: a sample's variance has {:.0f} % of the local contrast",
-                                       of_mosaic == 0 ? "the camera processes textures"
-                                       : share > of_mosaic
-                                           ? "colours of a mosaic, and what else pictures differ by"
-                                           : "colours of a mosaic",
+                                       cause_of_texture_error(share, sensor.texture_error_of_mosaic()),
                                        100 * share));
-  }
   if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
