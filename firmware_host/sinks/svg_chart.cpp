@@ -68,6 +68,14 @@ Range vertical_range(const Chart& chart, const std::vector<double>& values) {
   return {chart.y_least.value_or(range.least), chart.y_most.value_or(range.most)};
 }
 
+// Of all series.
+std::vector<double> values_of(const Chart& chart) {
+  std::vector<double> values;
+  for (const ChartSeries& series : chart.series)
+    values.insert(values.end(), series.y.begin(), series.y.end());
+  return values;
+}
+
 std::vector<double> vertical_ticks(const Frame& frame) {
   if (!frame.logarithmic_y) return round_ticks(frame.y.least, frame.y.most, 5);
   std::vector<double> ticks;
@@ -76,6 +84,15 @@ std::vector<double> vertical_ticks(const Frame& frame) {
   const int step = std::max(1, (last - first) / 6);
   for (int power = first; power <= last; power += step) ticks.push_back(std::pow(10, power));
   return ticks;
+}
+
+// Of all series at each x.
+std::vector<double> totals_of(const Chart& chart) {
+  std::vector<double> totals(chart.x.size(), 0.0);
+  for (const ChartSeries& series : chart.series)
+    for (std::size_t i = 0; i < totals.size(); ++i)
+      if (shown(series.y[i], Scale::Linear)) totals[i] += series.y[i];
+  return totals;
 }
 
 std::string opened(const Chart& chart) {
@@ -179,9 +196,7 @@ std::string series_colour(std::size_t i) {
 }
 
 std::string line_chart(const Chart& chart) {
-  std::vector<double> values;
-  for (const ChartSeries& series : chart.series)
-    values.insert(values.end(), series.y.begin(), series.y.end());
+  std::vector<double> values = values_of(chart);
   if (chart.limit) values.push_back(chart.limit->y);
   const Frame frame{range_of(chart.x, Scale::Linear), vertical_range(chart, values), chart.logarithmic_y};
   std::string svg = opened(chart) + axes(chart, frame);
@@ -204,13 +219,10 @@ std::string line_chart(const Chart& chart) {
 
 std::string marked_points(const Chart& chart, const std::vector<std::string>& names) {
   constexpr double kAir = 0.08;  // of the range, to the left and right of the marks
-  std::vector<double> values;
-  for (const ChartSeries& series : chart.series)
-    values.insert(values.end(), series.y.begin(), series.y.end());
   Range across = range_of(chart.x, Scale::Linear);
   const double air = kAir * (across.most - across.least);
   across.least -= air, across.most += air;
-  const Frame frame{across, vertical_range(chart, values), chart.logarithmic_y};
+  const Frame frame{across, vertical_range(chart, values_of(chart)), chart.logarithmic_y};
   std::string svg = opened(chart) + axes(chart, frame);
   auto out = std::back_inserter(svg);
   for (const ChartSeries& series : chart.series)
@@ -224,11 +236,7 @@ std::string marked_points(const Chart& chart, const std::vector<std::string>& na
 }
 
 std::string stacked_bars(const Chart& chart) {
-  std::vector<double> totals(chart.x.size(), 0.0);
-  for (const ChartSeries& series : chart.series)
-    for (std::size_t i = 0; i < totals.size(); ++i)
-      if (shown(series.y[i], Scale::Linear)) totals[i] += series.y[i];
-  std::vector<double> values = totals;
+  std::vector<double> values = totals_of(chart);
   values.push_back(0);
   if (chart.limit) values.push_back(chart.limit->y);
   const double spacing =
