@@ -15,6 +15,12 @@ namespace {
 constexpr double kWidth = 560, kHeight = 250;
 constexpr double kLeft = 70, kRight = 14, kTop = 12, kBottom = 44;
 constexpr double kBarGap = 0.12;  // of a bar's width
+// Of texts: ticks from their axis, and from the middle of a line to its baseline; labels from the picture's
+// border; the name of a line above it, of a mark beside it.
+constexpr double kTickLeft = 7, kTickDown = 17, kHalfText = 4;
+constexpr double kLabelLeft = 14, kLabelUp = 7;
+constexpr double kNameUp = 5, kNameRight = 6, kLimitNameLeft = 4;
+constexpr double kMarkRadius = 4;
 
 struct Range {
   double least = 0, most = 1;
@@ -108,23 +114,23 @@ std::string axes(const Chart& chart, const Frame& frame) {
     const double y = frame.height_of(tick);
     fmt::format_to(out, "<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", kLeft,
                    kWidth - kRight, y, y);
-    fmt::format_to(out, "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>\n", kLeft - 7, y + 4,
-                   tick);
+    fmt::format_to(out, "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>\n", kLeft - kTickLeft,
+                   y + kHalfText, tick);
   }
   for (const double tick : round_ticks(frame.x.least, frame.x.most, 8)) {
     const double x = frame.right_of(tick);
-    fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>", x, bottom + 17,
-                   tick);
+    fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>", x,
+                   bottom + kTickDown, tick);
   }
   fmt::format_to(out, "\n<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>", kLeft,
                  kWidth - kRight, bottom);
   fmt::format_to(out, "<text class=\"unit\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                 (kLeft + kWidth - kRight) / 2, kHeight - 7, escaped(chart.x_label));
+                 (kLeft + kWidth - kRight) / 2, kHeight - kLabelUp, escaped(chart.x_label));
   const double middle = (kTop + bottom) / 2;
   fmt::format_to(out,
-                 "<text class=\"unit\" x=\"14\" y=\"{0}\" text-anchor=\"middle\" transform=\"rotate(-90 14 "
+                 "<text class=\"unit\" x=\"{2}\" y=\"{0}\" text-anchor=\"middle\" transform=\"rotate(-90 {2} "
                  "{0})\">{1}</text>\n",
-                 middle, escaped(chart.y_label));
+                 middle, escaped(chart.y_label), kLabelLeft);
   return svg;
 }
 
@@ -134,7 +140,8 @@ std::string limit_line(const Chart& chart, const Frame& frame) {
   return fmt::format(
       "<line class=\"limit\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
       "<text class=\"limit\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
-      kLeft, kWidth - kRight, y, y, kWidth - kRight - 4, y - 5, escaped(chart.limit->name));
+      kLeft, kWidth - kRight, y, y, kWidth - kRight - kLimitNameLeft, y - kNameUp,
+      escaped(chart.limit->name));
 }
 
 std::string legend(const Chart& chart) {
@@ -229,8 +236,10 @@ std::string marked_points(const Chart& chart, const std::vector<std::string>& na
     for (std::size_t i = 0; i < series.y.size(); ++i) {
       if (!shown(series.y[i], vertical_scale(chart))) continue;
       const double x = frame.right_of(chart.x[i]), y = frame.height_of(series.y[i]);
-      fmt::format_to(out, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", x, y, series.colour);
-      fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 6, y - 5, escaped(names[i]));
+      fmt::format_to(out, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x, y, kMarkRadius,
+                     series.colour);
+      fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kNameRight, y - kNameUp,
+                     escaped(names[i]));
     }
   return svg + closed(chart);
 }
