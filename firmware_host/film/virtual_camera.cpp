@@ -56,9 +56,9 @@ double seen_way_px(const Eigen::Vector3d& ray, double inverse_depth, std::span<c
 
 }  // namespace
 
-VirtualCamera::VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance,
+VirtualCamera::VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& white_balance,
                              WorkerPool& pool)
-    : plan_(plan), balance_(balance), maker_(pool), renderer_(pool) {}
+    : plan_(plan), white_balance_(white_balance), maker_(pool), renderer_(pool) {}
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
                                  const Response& response, const Show& show) {
@@ -274,7 +274,7 @@ void VirtualCamera::label(int frame) {
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
   state_camera(interval, plan_.playback_s(frame));
-  if (balance_) apply_white_balance(*balance_, frame_);
+  if (white_balance_) apply_white_balance(*white_balance_, frame_);
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
   frame_.facts.exposure_s = exposure;

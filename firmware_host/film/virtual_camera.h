@@ -25,8 +25,8 @@ class VirtualCamera {
   // A film frame with the newest input at that time. Valid during the call.
   using Show = std::function<Result<void>(HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
 
-  // balance: of its frames, before a response makes codes of their light. The pool outlives the camera.
-  VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance, WorkerPool& pool);
+  // white_balance: of its frames, before a response makes codes of their light. The pool outlives the camera.
+  VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& white_balance, WorkerPool& pool);
 
   // response: with which the frame was estimated. Errors: those of show.
   Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const Response& response,
@@ -72,7 +72,7 @@ class VirtualCamera {
     Response response;
   };
   const FilmPlan plan_;
-  const std::optional<ChannelGains> balance_;
+  const std::optional<ChannelGains> white_balance_;
   KeyframeMaker maker_;
   ViewRenderer renderer_;
   SteadyPath steady_;

@@ -49,9 +49,9 @@ void add_stage(Stage stage, double ms, FrameRecord& kept) {
 // The path of a frame: from the source through the method to the outputs.
 class Run {
  public:
-  // balance: of the HDR frames; none: as the sensor gives them. All else outlives the run.
-  Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source, Storage& storage,
-      SharedProgress& progress);
+  // white_balance: of the HDR frames; none: as the sensor gives them. All else outlives the run.
+  Run(const RunPlan& plan, const std::optional<ChannelGains>& white_balance, FrameSource& source,
+      Storage& storage, SharedProgress& progress);
 
   // where: a list of the outputs, for the user.
   Result<void> to_end(std::string& where);
@@ -73,7 +73,7 @@ class Run {
   Backlog backlog() const;
 
   const RunPlan& plan_;
-  const std::optional<ChannelGains> balance_;
+  const std::optional<ChannelGains> white_balance_;
   FrameSource& source_;
   Storage& storage_;
   const EarlierEstimates earlier_;
@@ -106,10 +106,10 @@ FieldUse field_use_of(const RunPlan& plan, RunPace pace) {
   return seen ? FieldUse::Seen : FieldUse::Fills;
 }
 
-Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source,
+Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& white_balance, FrameSource& source,
          Storage& storage, SharedProgress& progress)
     : plan_(plan),
-      balance_(balance),
+      white_balance_(white_balance),
       source_(source),
       storage_(storage),
       earlier_(earlier_estimates(plan, storage)),
@@ -130,7 +130,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       responses_told_(camera_.linear ? 1 : 0) {
   pipeline_.set_trace(plan.trace);
   pipeline_.set_left_out([this] { ++record_.left_out, source_.left_out(); });
-  if (plan.film != nullptr) film_.emplace(*plan.film, balance, pool_);
+  if (plan.film != nullptr) film_.emplace(*plan.film, white_balance, pool_);
   if (plan.film == nullptr && !plan.settings.output.path(Settings::Output::kSnapshot).empty())
     scene_.emplace(options_.knobs.hash_grid.window.frames, pool_);  // what the field knows of
 }
@@ -212,7 +212,7 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
   if (film_) {
     TRY(film_->take(hdr, estimate, sensor().camera_response(), show_));
   } else {
-    if (balance_) apply_white_balance(*balance_, hdr);
+    if (white_balance_) apply_white_balance(*white_balance_, hdr);
     const bool previews = !governor_ || governor_->previews();
     TRY(sinks_.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
   }
@@ -285,8 +285,9 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
                         std::string& where) {
   TRY(check_needs(plan.settings));
   TRY(check_readout(plan.settings.fit, source.camera()));
-  const std::optional<ChannelGains> balance = TRY(white_balance_of(plan.settings.output, source.camera()));
-  Run run(plan, balance, source, storage, progress);
+  const std::optional<ChannelGains> white_balance =
+      TRY(white_balance_of(plan.settings.output, source.camera()));
+  Run run(plan, white_balance, source, storage, progress);
   return run.to_end(where);
 }
 

@@ -21,13 +21,13 @@ namespace {
 class SnapshotFilm {
  public:
   // All outlives the film.
-  SnapshotFilm(const RunPlan& plan, SceneSnapshot& scene, const std::optional<ChannelGains>& balance,
+  SnapshotFilm(const RunPlan& plan, SceneSnapshot& scene, const std::optional<ChannelGains>& white_balance,
                Storage& storage)
       : plan_(plan),
         scene_(scene),
         storage_(storage),
         pool_(thread_count(plan.settings.fit), ThreadPriority::Usual),
-        film_(*plan.film, balance, pool_),
+        film_(*plan.film, white_balance, pool_),
         most_records_(frames_kept(plan, RunPace::Clip)),
         record_(opened_record(plan, scene.camera, RunPace::Clip, pool_.threads())) {
     if (plan.progress != nullptr) progress_.emplace(plan.progress, plan.film->frames);
@@ -79,8 +79,8 @@ Result<void> load_and_film(const RunPlan& plan, const std::string& snapshot, Sto
                            std::string& where) {
   const Backend backend = open_backend(plan.settings.fit.backend);
   SceneSnapshot scene = TRY(load_scene(storage, snapshot, backend.gpu.get()));
-  const std::optional<ChannelGains> balance = TRY(white_balance_of(plan.settings.output, scene.camera));
-  SnapshotFilm film(plan, scene, balance, storage);
+  const std::optional<ChannelGains> white_balance = TRY(white_balance_of(plan.settings.output, scene.camera));
+  SnapshotFilm film(plan, scene, white_balance, storage);
   return film.to_end(backend.note, where);
 }
 
