@@ -41,7 +41,7 @@ Result<Format> format_of(const SimulateFlags& flags) {
   const bool bayer = flags.format == "bayer";
   const int bits = flags.bits != 0 ? flags.bits : bayer ? 12 : 8;
   if (!bayer && flags.format != "rgb")
-    return Error{ErrorCode::Invalid, fmt::format("--format {}: give rgb or bayer", flags.format)};
+    return Error{ErrorCode::Invalid, fmt::format("--format takes rgb or bayer, not '{}'", flags.format)};
   return Format{bayer ? PixelLayout::BayerRggb : PixelLayout::Rgb, bits};
 }
 

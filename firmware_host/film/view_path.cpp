@@ -232,7 +232,8 @@ Result<ViewPath> ViewPath::read_path(Storage& storage, const std::string& path) 
   const bool json = trimmed(text.substr(0, 64), kAroundCells).starts_with('[') || path.ends_with(".json");
   const std::vector<Row> rows = TRY(json ? rows_of_json(path, text) : rows_of_csv(path, text));
   if (rows.size() > kMostPoses)
-    return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} poses", path, kMostPoses)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' has more than {} poses; leave some out", path, kMostPoses)};
   std::vector<Pose> poses;
   poses.reserve(rows.size());
   for (const Row& row : rows) poses.push_back({row[0], offset_of(row)});
@@ -240,12 +241,15 @@ Result<ViewPath> ViewPath::read_path(Storage& storage, const std::string& path) 
 }
 
 Result<ViewPath> ViewPath::of(std::vector<Pose> poses, const std::string& path) {
-  if (poses.empty()) return Error{ErrorCode::Invalid, fmt::format("'{}' has no poses", path)};
+  if (poses.empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' has no poses; give each a line behind the names, or an object", path)};
   for (std::size_t i = 1; i < poses.size(); ++i)
     if (poses[i].time_s <= poses[i - 1].time_s)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("'{}': the poses are not in the order of their times: {:g} s follows {:g} s",
-                               path, poses[i].time_s, poses[i - 1].time_s)};
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{}': the poses are not in the order of their times: {:g} s follows {:g} s; sort them",
+                      path, poses[i].time_s, poses[i - 1].time_s)};
   ViewPath view;
   view.poses_ = std::move(poses);
   return view;

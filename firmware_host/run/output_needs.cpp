@@ -173,9 +173,11 @@ bool tracks_poses(const Settings& settings) {
 Result<void> check_tracked_poses(const Settings& settings, std::string_view cause) {
   if (!needs_of(settings.output).poses || tracks_poses(settings)) return {};
   const char* flag = is_written(settings.output, sink_name::kTransforms) ? "--transforms" : "--colmap";
-  return Error{ErrorCode::Invalid,
-               fmt::format("{} needs poses: {}, and none is tracked without the field, which {} leaves out",
-                           flag, cause, what_leaves_out_field(settings.fit))};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("{} needs poses: {}, and none is tracked without the field, which {} leaves out; leave "
+                  "out one of them",
+                  flag, cause, what_leaves_out_field(settings.fit))};
 }
 
 }  // namespace hdrcam

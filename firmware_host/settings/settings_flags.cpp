@@ -133,8 +133,10 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   if (!given_->config.empty()) {
     const std::string text = TRY(read_whole(storage, given_->config));
     if (text.find('\0') != std::string::npos)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("'{}' is no file of settings, which is text in TOML", given_->config)};
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{}' is no file of settings, which is text in TOML; --print-config prints one",
+                      given_->config)};
     TRY(read_toml(text, given_->config, settings));
   }
   for (const auto& [field, option] : given_->flags)

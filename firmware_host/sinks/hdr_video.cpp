@@ -175,12 +175,14 @@ Result<void> check_video(const VideoOptions& options) {
   if (options.transfer == VideoTransfer::Hlg && options.peak_nits > kHlgPeak_nits)
     return Error{
         ErrorCode::Invalid,
-        fmt::format("--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2",
-                    options.peak_nits, kHlgPeak_nits)};
+        fmt::format(
+            "--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2; give that "
+            "or less",
+            options.peak_nits, kHlgPeak_nits)};
   if (options.transfer != VideoTransfer::Sdr && options.peak_nits < options.white_nits)
     return Error{ErrorCode::Invalid,
                  fmt::format("--peak {:g} is below --white {:g}: nothing brighter than white "
-                             "could be shown",
+                             "could be shown; raise the one or lower the other",
                              options.peak_nits, options.white_nits)};
   return {};
 }

@@ -75,8 +75,10 @@ class PoseFile : public FrameSink {
   // The first frame with a pose decides what the poses are.
   Result<void> begin(const HdrFrame& frame) {
     if (!frame.lens)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{} needs pictures of one lens, and --stereo makes two a frame", flag_)};
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("{} needs pictures of one lens, and --stereo makes two a frame; leave out one of them",
+                      flag_)};
     TRY(check_lens(frame.pose->source, frame.lens_is_assumed, "the recording"));
     clip_.width = frame.radiance.cols(), clip_.height = frame.radiance.rows();
     clip_.lens = *frame.lens;
