@@ -169,12 +169,13 @@ struct HttpCallbacks {
                                                          MHD_Connection* connection) {
     const std::string_view given = header_of(connection, MHD_HTTP_HEADER_AUTHORIZATION);
     if (given.size() < kBearer.size() || ::strncasecmp(given.data(), kBearer.data(), kBearer.size()) != 0) {
-      HttpAnswer answer = http_error(401, "this needs the token that was printed at the start");
+      HttpAnswer answer =
+          http_error(401, "this needs the token of the run, which was given or printed at its start");
       answer.headers.emplace_back("WWW-Authenticate", "Bearer");
       return answer;
     }
     if (!same_secret(given.substr(kBearer.size()), server.token_))
-      return http_error(403, "this is not the token that was printed at the start");
+      return http_error(403, "this is not the token of the run, which was given or printed at its start");
     return std::nullopt;
   }
 

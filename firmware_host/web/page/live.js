@@ -178,7 +178,7 @@ async function show_status() {
   return wait(500);
 }
 
-// --- actions, with the token that the program printed at its start
+// --- actions, with the token that the program got or printed at its start
 
 function show_actions(status) {
   $('actions').hidden = !('captured' in status.counters);
