@@ -244,12 +244,17 @@ Result<ViewPath> ViewPath::of(std::vector<Pose> poses, const std::string& path) 
   if (poses.empty())
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' has no poses; give each a line behind the names, or an object", path)};
-  for (std::size_t i = 1; i < poses.size(); ++i)
-    if (poses[i].time_s <= poses[i - 1].time_s)
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double time_s = poses[i].time_s, before_s = poses[i - 1].time_s;
+    if (time_s == before_s)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}': two poses are of {:g} s; leave out one of them", path, time_s)};
+    if (time_s < before_s)
       return Error{
           ErrorCode::Invalid,
           fmt::format("'{}': the poses are not in the order of their times: {:g} s follows {:g} s; sort them",
-                      path, poses[i].time_s, poses[i - 1].time_s)};
+                      path, time_s, before_s)};
+  }
   ViewPath view;
   view.poses_ = std::move(poses);
   return view;

@@ -105,6 +105,7 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
              Contains("b.csv:1: unknown name 'yau' (did you mean 'yaw'?)"));
   CHECK_THAT(read("c.csv", "time_s,dx\n0,1,2\n"), Contains("c.csv:2: 3 values, but the first line names 2"));
   CHECK_THAT(read("d.csv", "time_s,dx\n1,1\n0,1\n"), Contains("not in the order of their times"));
+  CHECK_THAT(read("o.csv", "time_s,dx\n1,1\n1,2\n"), Contains("two poses are of 1 s; leave out one"));
   CHECK_THAT(read("k.csv", "dx,dy\n0,1\n"), Contains("k.csv:1: names no time_s"));
   CHECK_THAT(read("m.csv", "time_s,dx,dx\n0,1,2\n"), Contains("m.csv:1: names dx twice"));
   CHECK_THAT(read("e.csv", ""), Contains("has no poses"));
