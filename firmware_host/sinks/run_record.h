@@ -33,7 +33,8 @@ struct FrameRecord {
   double exposure = 1;  // E / E_ref
   ExposureSource exposure_source = ExposureSource::Unknown;
   std::optional<Verdict> verdict;  // on the exposure; none: not judged
-  double total_ms = 0;             // the sum of stages_ms
+  // The sum of stages_ms; of a saved scene's film, which has none: since the frame before.
+  double total_ms = 0;
   // By name(Stage), in the order of the pipeline; a stage that did not run may be missing.
   FrameValues stages_ms;
   FrameValues losses;  // weighted terms of the fit, mean over the frame's steps; empty without a step
@@ -77,7 +78,7 @@ struct SinkTimes {
 
 struct RunRecord {
   std::string title;    // usually the clip's name
-  std::string command;  // as typed
+  std::string command;  // that makes the run again
   std::string preset;
   std::uint64_t seed = 0;
   int threads = 1;
@@ -90,7 +91,8 @@ struct RunRecord {
   int late = 0, left_out = 0;     // frames over the deadline; frames not emitted to hold it
 
   int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped; the report checks it
-  std::vector<NamedValue> counters;  // frames by stage and reason, of a run on a camera: "dropped.shed"
+  // Frames by stage and reason, "dropped.shed"; of a recording the damaged ones alone.
+  std::vector<NamedValue> counters;
   double wall_s = 0;
   double peak_memory_mib = 0;
 
