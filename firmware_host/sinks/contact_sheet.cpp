@@ -102,10 +102,6 @@ std::vector<int> lefts_of(const std::vector<std::string>& titles, int cell_width
   return lefts;
 }
 
-std::string caption_of(std::uint64_t sequence, float exposure) {
-  return fmt::format("frame {}    exposure {} EV", sequence, signed_text(std::log2(exposure), 1));
-}
-
 // Returns the column behind it. canvas: null to measure only.
 int draw_legend(Canvas* canvas, int baseline) {
   int left = kGap_px;
@@ -124,6 +120,10 @@ int draw_legend(Canvas* canvas, int baseline) {
 }
 
 }  // namespace
+
+std::string ContactSheet::Row::caption() const {
+  return fmt::format("frame {}    exposure {} EV", sequence, signed_text(std::log2(exposure), 1));
+}
 
 ContactSheet::ContactSheet(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
 
@@ -196,34 +196,45 @@ float ContactSheet::brightest_of(const std::vector<const Row*>& rows) {
   return quantile(std::span(nearness), kBrightest);
 }
 
+ContactSheet::Layout ContactSheet::layout_of(const std::vector<const Row*>& rows,
+                                             const std::vector<std::string>& titles) {
+  const int cell_height = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.rows(); });
+  const int cell_width = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.cols(); });
+  Layout layout;
+  layout.lefts = lefts_of(titles, cell_width);
+  layout.step_down = cell_height + kCaption_px;
+  layout.height = 2 * kCaption_px + static_cast<int>(rows.size()) * layout.step_down + kGap_px;
+  layout.width = std::max(layout.lefts.back(), draw_legend(nullptr, 0) + kGap_px);
+  for (const Row* row : rows)
+    layout.width = std::max(layout.width, text_width(row->caption(), kText_px) + 2 * kGap_px);
+  return layout;
+}
+
+void ContactSheet::draw(const Row& row, int top, const Layout& layout, float brightest, Canvas& canvas) {
+  const auto paste = [&](std::size_t column, const Image<std::uint8_t>& cell) {
+    canvas.paste(top, layout.lefts[column], cell);
+  };
+  paste(0, row.input);
+  paste(1, row.shown);
+  paste(2, coloured(row.provenance));
+  if (!row.nearness.empty()) paste(3, depth_colours(row.nearness, brightest));
+  canvas.write(top + layout.step_down - kCaptionRise_px, kGap_px, row.caption(), kText_px, kInk);
+}
+
 Image<std::uint8_t> ContactSheet::composed() const {
   const auto rows = chosen_rows();
   const float brightest = brightest_of(rows);
   std::vector<std::string> titles{"input", "HDR, tone-mapped", "provenance"};
   if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
 
-  const int cell_height = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.rows(); });
-  const int cell_width = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.cols(); });
-  const int step_down = cell_height + kCaption_px, count = static_cast<int>(rows.size());
-  const std::vector<int> lefts = lefts_of(titles, cell_width);
-  const auto caption = [](const Row& row) { return caption_of(row.sequence, row.exposure); };
-  int width = std::max(lefts.back(), draw_legend(nullptr, 0) + kGap_px);
-  for (const Row* row : rows) width = std::max(width, text_width(caption(*row), kText_px) + 2 * kGap_px);
-  Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, width, kPaper);
+  const Layout layout = layout_of(rows, titles);
+  Canvas canvas(layout.height, layout.width, kPaper);
   for (std::size_t i = 0; i < titles.size(); ++i)
-    canvas.write(kCaption_px - kTitleRise_px, lefts[i], titles[i], kText_px, kInk);
-
+    canvas.write(kCaption_px - kTitleRise_px, layout.lefts[i], titles[i], kText_px, kInk);
   int top = kCaption_px;
   for (const Row* row : rows) {
-    const auto paste = [&](std::size_t column, const Image<std::uint8_t>& cell) {
-      canvas.paste(top, lefts[column], cell);
-    };
-    paste(0, row->input);
-    paste(1, row->shown);
-    paste(2, coloured(row->provenance));
-    if (!row->nearness.empty()) paste(3, depth_colours(row->nearness, brightest));
-    canvas.write(top + step_down - kCaptionRise_px, kGap_px, caption(*row), kText_px, kInk);
-    top += step_down;
+    draw(*row, top, layout, brightest, canvas);
+    top += layout.step_down;
   }
   draw_legend(&canvas, top + kCaption_px - kCaptionRise_px);
   return canvas.picture().clone();

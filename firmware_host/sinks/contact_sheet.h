@@ -17,6 +17,8 @@
 
 namespace hdrcam {
 
+class Canvas;
+
 class ContactSheet : public FrameSink {
  public:
   // path: of the PNG that finish() writes; "" to write none (the report takes png()). The storage outlives
@@ -37,10 +39,21 @@ class ContactSheet : public FrameSink {
     Image<std::uint8_t> input, shown;  // [rgb, rows, cols]
     Image<float> nearness;             // [1, rows, cols] 1 / depth; empty without depth
     Image<std::uint8_t> provenance;    // [1, rows, cols]
+
+    std::string caption() const;
+  };
+  // Where columns and rows lie, in pixels of the sheet.
+  struct Layout {
+    std::vector<int> lefts;  // of the columns, and where the last one ends
+    int step_down = 0;       // from a row to the next
+    int height = 0, width = 0;
   };
   Image<std::uint8_t> composed() const;
   std::vector<const Row*> chosen_rows() const;
   static float brightest_of(const std::vector<const Row*>& rows);
+  static Layout layout_of(const std::vector<const Row*>& rows, const std::vector<std::string>& titles);
+  // top: of the row; brightest: the nearness shown as the brightest.
+  static void draw(const Row& row, int top, const Layout& layout, float brightest, Canvas& canvas);
   // Of the rows' cells; side: of one.
   template <class Side>
   static int largest(const std::vector<const Row*>& rows, const Side& side);
