@@ -94,43 +94,47 @@ void add_adam(KernelTasks& tasks, const SharedRoom& room) {
   tasks.push_back(std::move(task));
 }
 
-}  // namespace
+struct WindowRoom {
+  int rows, cols;
+  RandomPlanes in, flow, out;
+};
+using SharedWindow = std::shared_ptr<WindowRoom>;
 
-void add_window(KernelTasks& tasks, int rows, int cols) {
-  struct Room {
-    RandomPlanes in, flow, out;
-  };
-  const auto room = std::make_shared<Room>(Room{RandomPlanes(3, rows, cols, 0.01f, 1, 1),
-                                                RandomPlanes(2, rows, cols, -6, 6, 2),
-                                                RandomPlanes(3, rows, cols, 0, 0, 3)});
-  add_rows(tasks, "window: base", rows, cols, {.flops = 30, .planes = 4}, [room, cols](int y) {
+void add_window_base(KernelTasks& tasks, const SharedWindow& room) {
+  add_rows(tasks, "window: base", room->rows, room->cols, {.flops = 30, .planes = 4}, [room](int y) {
     window_kernels().base({.radiance = room->in.row(0, y),
                            .variance = room->in.row(1, y),
                            .unseen_from = 1e6f,
                            .trusted_sigma = 0.1f,
                            .log_radiance = room->out.row(0, y),
                            .gate = room->out.row(1, y)},
-                          cols);
+                          room->cols);
   });
-  // half as many blocks as a row has pixels: two rows each
-  add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, {.flops = 16, .planes = 10},
-           [room, cols](int y) {
-             const auto blocks = [&](int channel, int x, int n) {
-               return BlockRow{
-                   .row = {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x},
-                   .step = 2,
-                   .cols = 2 * n};
-             };
-             for (int x = 0; x < cols / 2; x += kMostBlocks) {
-               const int n = std::min(kMostBlocks, cols / 2 - x);
-               window_kernels().block_state({.radiance = blocks(0, x, n),
-                                             .variance = blocks(1, x, n),
-                                             .unseen_from = 1e6f,
-                                             .mean = room->out.row(0, y) + x,
-                                             .variance_of_mean = room->out.row(1, y) + x},
-                                            n);
-             }
-           });
+}
+
+// Half as many blocks as a row has pixels: two rows each.
+void add_block_state(KernelTasks& tasks, const SharedWindow& room) {
+  const int rows = room->rows / 2, cols = room->cols / 2;
+  add_rows(tasks, "window: state of blocks", rows, cols, {.flops = 16, .planes = 10}, [room, cols](int y) {
+    const auto blocks = [&](int channel, int x, int n) {
+      return BlockRow{.row = {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x},
+                      .step = 2,
+                      .cols = 2 * n};
+    };
+    for (int x = 0; x < cols; x += kMostBlocks) {
+      const int n = std::min(kMostBlocks, cols - x);
+      window_kernels().block_state({.radiance = blocks(0, x, n),
+                                    .variance = blocks(1, x, n),
+                                    .unseen_from = 1e6f,
+                                    .mean = room->out.row(0, y) + x,
+                                    .variance_of_mean = room->out.row(1, y) + x},
+                                   n);
+    }
+  });
+}
+
+void add_lift(KernelTasks& tasks, const SharedWindow& room) {
+  const int rows = room->rows, cols = room->cols;
   add_rows(tasks, "window: flow lifted to surfaces", rows, cols, {.flops = 50, .planes = 7},
            [room, rows, cols](int y) {
              const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
@@ -152,6 +156,19 @@ void add_window(KernelTasks& tasks, int rows, int cols) {
                                     .sure = room->out.row(2, y)},
                                    cols);
            });
+}
+
+}  // namespace
+
+void add_window(KernelTasks& tasks, int rows, int cols) {
+  const auto room = std::make_shared<WindowRoom>(WindowRoom{.rows = rows,
+                                                            .cols = cols,
+                                                            .in = RandomPlanes(3, rows, cols, 0.01f, 1, 1),
+                                                            .flow = RandomPlanes(2, rows, cols, -6, 6, 2),
+                                                            .out = RandomPlanes(3, rows, cols, 0, 0, 3)});
+  add_window_base(tasks, room);
+  add_block_state(tasks, room);
+  add_lift(tasks, room);
 }
 
 void add_field(KernelTasks& tasks) {
