@@ -110,59 +110,95 @@ void add_flow(KernelTasks& tasks, const SharedRoom& room) {
            });
 }
 
-// The motion over a frame that is clipped everywhere, and the one that is predicted from it.
-void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
-  const int rows = room->rows, cols = room->cols;
-  const auto clipped = std::make_shared<RandomPlanes>(2, rows, cols, 0.7f, 0.75f, 6);
-  clipped->fill(1, 0);
-  const PathAhead path{.after_to_state = room->vectors.plane(0),
-                       .state_to_after = room->vectors.plane(2),
-                       .last = room->vectors.plane(0),
-                       .measured = clipped->plane(0),
-                       .share = 0.5f,
-                       .before = 0.5f};
-  const auto nowhere = std::make_shared<Image<float>>(1, 1, cols / kLandingCell + 1);
-  nowhere->fill(kNowhere);
-  // two rounds: places 18, a mean 6, a bend 25; then a place 10, two shares 17, what they take over 10
-  add_rows(tasks, "motion over a clipped frame", rows, cols, {.flops = 2 * (18 + 6 + 25) + 37, .planes = 15},
-           [room, clipped, nowhere, path, rows, cols](int y) {
+// A frame that is clipped everywhere, between two that show the motion.
+struct ClippedRoom {
+  SharedRoom motion;
+  RandomPlanes clipped;  // share around each pixel, of this frame and of the one after: about 0.7, and 0
+  Image<float> nowhere;  // what lands on a row of cells: nothing
+  std::vector<CheckedPathCell> cells;
+
+  PathAhead path() {
+    return {.after_to_state = motion->vectors.plane(0),
+            .state_to_after = motion->vectors.plane(2),
+            .last = motion->vectors.plane(0),
+            .measured = clipped.plane(0),
+            .share = 0.5f,
+            .before = 0.5f};
+  }
+};
+using SharedClipped = std::shared_ptr<ClippedRoom>;
+
+SharedClipped clipped_room(const SharedRoom& motion) {
+  const int cells = motion->cols / kLandingCell + 1;
+  auto room = std::make_shared<ClippedRoom>(
+      ClippedRoom{.motion = motion,
+                  .clipped = RandomPlanes(2, motion->rows, motion->cols, 0.7f, 0.75f, 6),
+                  .nowhere = Image<float>(1, 1, cells),
+                  .cells = std::vector<CheckedPathCell>(static_cast<std::size_t>(cells))});
+  room->clipped.fill(1, 0);
+  room->nowhere.fill(kNowhere);
+  return room;
+}
+
+// Two rounds along the path: places 18, a mean 6, a bend 25.
+constexpr int kPathFlops = 2 * (18 + 6 + 25);
+
+void add_bridge(KernelTasks& tasks, const SharedClipped& room) {
+  const int rows = room->motion->rows, cols = room->motion->cols;
+  // behind the path a place 10, two shares 17, what they take over 10
+  add_rows(tasks, "motion over a clipped frame", rows, cols, {.flops = kPathFlops + 37, .planes = 15},
+           [room, motion = room->motion, rows, cols](int y) {
              clipped_motion_kernels().bridge({.at = {rows, cols, y},
-                                              .clipped = clipped->row(0, y),
-                                              .clipped_after = clipped->plane(1),
-                                              .path = path,
-                                              .landed_u = nowhere->row(0, 0),
-                                              .landed_v = nowhere->row(0, 0),
-                                              .from = room->vectors.plane(0),
-                                              .u = room->flow.row(0, y),
-                                              .v = room->flow.row(1, y),
-                                              .measured = room->weight.row(0, y)});
+                                              .clipped = room->clipped.row(0, y),
+                                              .clipped_after = room->clipped.plane(1),
+                                              .path = room->path(),
+                                              .landed_u = room->nowhere.row(0, 0),
+                                              .landed_v = room->nowhere.row(0, 0),
+                                              .from = motion->vectors.plane(0),
+                                              .u = motion->flow.row(0, y),
+                                              .v = motion->flow.row(1, y),
+                                              .measured = motion->weight.row(0, y)});
            });
-  // two rounds as above; then a difference 5, a place 10, a share 8, bounds 4, and seven sums of it
-  const auto cells =
-      std::make_shared<std::vector<CheckedPathCell>>(static_cast<std::size_t>(cols / kLandingCell + 1));
-  add_rows(tasks, "motion over a clipped frame: check", rows, cols,
-           {.flops = 2 * (18 + 6 + 25) + 34, .planes = 9}, [room, clipped, cells, path, rows, cols](int y) {
+}
+
+void add_path_check(KernelTasks& tasks, const SharedClipped& room) {
+  const int rows = room->motion->rows, cols = room->motion->cols;
+  // behind the path a difference 5, a place 10, a share 8, bounds 4, and seven sums of it
+  add_rows(tasks, "motion over a clipped frame: check", rows, cols, {.flops = kPathFlops + 34, .planes = 9},
+           [room, motion = room->motion, rows, cols](int y) {
              clipped_motion_kernels().compare({.at = {rows, cols, y},
-                                               .clipped = clipped->row(0, y),
-                                               .clipped_after = clipped->plane(1),
-                                               .path = path,
-                                               .u = room->flow.row(0, y),
-                                               .v = room->flow.row(1, y),
-                                               .cells = cells->data()});
+                                               .clipped = room->clipped.row(0, y),
+                                               .clipped_after = room->clipped.plane(1),
+                                               .path = room->path(),
+                                               .u = motion->flow.row(0, y),
+                                               .v = motion->flow.row(1, y),
+                                               .cells = room->cells.data()});
            });
+}
+
+void add_prediction(KernelTasks& tasks, const SharedClipped& room) {
+  const int rows = room->motion->rows, cols = room->motion->cols;
   // a place 8, a change 4 and its length 3, two shares 16 and what they make of it 9
   add_rows(tasks, "motion of the next step", rows, cols, {.flops = 40, .planes = 8},
-           [room, clipped, rows, cols](int y) {
+           [room, motion = room->motion, rows, cols](int y) {
              clipped_motion_kernels().predict({.at = {rows, cols, y},
-                                               .u = room->vectors.row(0, y),
-                                               .v = room->vectors.row(1, y),
-                                               .measured = clipped->row(0, y),
-                                               .last = room->vectors.plane(2),
-                                               .measured_before = clipped->plane(0),
+                                               .u = motion->vectors.row(0, y),
+                                               .v = motion->vectors.row(1, y),
+                                               .measured = room->clipped.row(0, y),
+                                               .last = motion->vectors.plane(2),
+                                               .measured_before = room->clipped.plane(0),
                                                .ratio = 1,
-                                               .next_u = room->flow.row(0, y),
-                                               .next_v = room->flow.row(1, y)});
+                                               .next_u = motion->flow.row(0, y),
+                                               .next_v = motion->flow.row(1, y)});
            });
+}
+
+// The motion over a frame that is clipped everywhere, and the one that is predicted from it.
+void add_clipped_motion(KernelTasks& tasks, const SharedRoom& motion) {
+  const auto room = clipped_room(motion);
+  add_bridge(tasks, room);
+  add_path_check(tasks, room);
+  add_prediction(tasks, room);
 }
 
 void add_refinement(KernelTasks& tasks, const SharedRoom& room) {
