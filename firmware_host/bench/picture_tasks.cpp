@@ -78,6 +78,65 @@ void add_blur(KernelTasks& tasks, const SharedRoom& room) {
   });
 }
 
+// A picture with its variance, and room for each step of the shrinkage.
+struct ShrinkageRoom {
+  int rows, cols;
+  RandomPlanes in, opponent, sum, weight, out;
+};
+using SharedShrinkage = std::shared_ptr<ShrinkageRoom>;
+
+constexpr float kOffset = 0.01f;  // of the radiance, before its logarithm
+
+void add_to_opponent(KernelTasks& tasks, const SharedShrinkage& room) {
+  add_rows(tasks, "shrinkage: to opponent colours", room->rows, room->cols, {.flops = 90, .planes = 18},
+           [room](int y) {
+             RandomPlanes &in = room->in, &opponent = room->opponent, &sum = room->sum;
+             shrinkage_kernels().to_opponent(
+                 {.radiance = {in.row(0, y), in.row(1, y), in.row(2, y)},
+                  .variance = {in.row(3, y), in.row(4, y), in.row(5, y)},
+                  .offset = kOffset,
+                  .opponent = {opponent.row(0, y), opponent.row(1, y), opponent.row(2, y)},
+                  .noise = {opponent.row(3, y), opponent.row(4, y), opponent.row(5, y)},
+                  .sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                  .weight = {sum.row(3, y), sum.row(4, y), sum.row(5, y)}},
+                 room->cols);
+           });
+}
+
+void add_tiles(KernelTasks& tasks, const SharedShrinkage& room) {
+  std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
+  thresholds.fill(1);
+  KernelTask task;
+  task.name = "shrinkage: tiles of 8x8", task.item = "px";
+  const int lines = (room->rows - kShrinkageTile) / kShrinkageStep;
+  task.items = static_cast<double>(lines) * kShrinkageStep * room->cols;
+  task.run = [room, lines, thresholds] {
+    for (int line = 0; line < lines; ++line) {
+      const int y = line * kShrinkageStep;
+      shrinkage_kernels().shrink({.opponent = room->opponent.row(0, y),
+                                  .noise = room->in.row(3, y),
+                                  .thresholds = thresholds.data(),
+                                  .first = 0,
+                                  .cols = room->cols,
+                                  .sum = room->sum.row(0, y),
+                                  .weight = room->sum.row(3, y)});
+    }
+  };
+  tasks.push_back(std::move(task));
+}
+
+void add_to_radiance(KernelTasks& tasks, const SharedShrinkage& room) {
+  add_rows(
+      tasks, "shrinkage: to radiance", room->rows, room->cols, {.flops = 80, .planes = 9}, [room](int y) {
+        RandomPlanes &sum = room->in, &weight = room->weight, &out = room->out;
+        shrinkage_kernels().to_radiance({.sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
+                                         .weight = {weight.row(0, y), weight.row(1, y), weight.row(2, y)},
+                                         .offset = kOffset,
+                                         .radiance = {out.row(0, y), out.row(1, y), out.row(2, y)}},
+                                        room->cols);
+      });
+}
+
 }  // namespace
 
 void add_pictures(KernelTasks& tasks, int rows, int cols) {
@@ -97,54 +156,17 @@ void add_pictures(KernelTasks& tasks, int rows, int cols) {
 }
 
 void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
-  struct Room {
-    RandomPlanes in, opponent, sum, out;
-  };
-  const auto room = std::make_shared<Room>(
-      Room{RandomPlanes(6, rows, cols, 0.01f, 1, 1), RandomPlanes(6, rows, cols, 0, 0, 2),
-           RandomPlanes(6, rows, cols, 0, 0, 3), RandomPlanes(3, rows, cols, 0, 0, 4)});
-  const ShrinkageKernels& kernels = shrinkage_kernels();
-  add_rows(tasks, "shrinkage: to opponent colours", rows, cols, {.flops = 90, .planes = 18},
-           [room, &kernels, cols](int y) {
-             RandomPlanes &in = room->in, &opponent = room->opponent, &sum = room->sum;
-             kernels.to_opponent({.radiance = {in.row(0, y), in.row(1, y), in.row(2, y)},
-                                  .variance = {in.row(3, y), in.row(4, y), in.row(5, y)},
-                                  .offset = 0.01f,
-                                  .opponent = {opponent.row(0, y), opponent.row(1, y), opponent.row(2, y)},
-                                  .noise = {opponent.row(3, y), opponent.row(4, y), opponent.row(5, y)},
-                                  .sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
-                                  .weight = {sum.row(3, y), sum.row(4, y), sum.row(5, y)}},
-                                 cols);
-           });
-  std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
-  thresholds.fill(1);
-  KernelTask tiles;
-  tiles.name = "shrinkage: tiles of 8x8", tiles.item = "px";
-  const int lines = (rows - kShrinkageTile) / kShrinkageStep;
-  tiles.items = static_cast<double>(lines) * kShrinkageStep * cols;
-  tiles.run = [room, &kernels, lines, cols, thresholds] {
-    for (int line = 0; line < lines; ++line) {
-      const int y = line * kShrinkageStep;
-      kernels.shrink({.opponent = room->opponent.row(0, y),
-                      .noise = room->in.row(3, y),
-                      .thresholds = thresholds.data(),
-                      .first = 0,
-                      .cols = cols,
-                      .sum = room->sum.row(0, y),
-                      .weight = room->sum.row(3, y)});
-    }
-  };
-  tasks.push_back(std::move(tiles));
-  const auto weights = std::make_shared<RandomPlanes>(3, rows, cols, 1.f, 2.f, 5);
-  add_rows(tasks, "shrinkage: to radiance", rows, cols, {.flops = 80, .planes = 9},
-           [room, weights, &kernels, cols](int y) {
-             RandomPlanes &sum = room->in, &weight = *weights, &out = room->out;
-             kernels.to_radiance({.sum = {sum.row(0, y), sum.row(1, y), sum.row(2, y)},
-                                  .weight = {weight.row(0, y), weight.row(1, y), weight.row(2, y)},
-                                  .offset = 0.01f,
-                                  .radiance = {out.row(0, y), out.row(1, y), out.row(2, y)}},
-                                 cols);
-           });
+  const auto room =
+      std::make_shared<ShrinkageRoom>(ShrinkageRoom{.rows = rows,
+                                                    .cols = cols,
+                                                    .in = RandomPlanes(6, rows, cols, 0.01f, 1, 1),
+                                                    .opponent = RandomPlanes(6, rows, cols, 0, 0, 2),
+                                                    .sum = RandomPlanes(6, rows, cols, 0, 0, 3),
+                                                    .weight = RandomPlanes(3, rows, cols, 1, 2, 5),
+                                                    .out = RandomPlanes(3, rows, cols, 0, 0, 4)});
+  add_to_opponent(tasks, room);
+  add_tiles(tasks, room);
+  add_to_radiance(tasks, room);
 }
 
 }  // namespace hdrcam
