@@ -33,6 +33,15 @@ bool holds_number(std::string_view folder) {
   return false;
 }
 
+// The "06" of a text that begins with "%06d"; none of one that does not.
+std::optional<std::string_view> width_of_number(std::string_view text) {
+  const std::size_t end = text.find_first_not_of("0123456789", 1);
+  if (end == std::string_view::npos || text[end] != 'd') return std::nullopt;
+  const std::string_view width = text.substr(1, end - 1);
+  if (!width.starts_with('0') || width.size() < 2 || width.size() > 3) return std::nullopt;
+  return width;
+}
+
 }  // namespace
 
 Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text,
@@ -53,17 +62,15 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
     return refused(flag, text, fmt::format("does not end in '{}'", extension), extension);
 
   const std::size_t percent = text.find('%', begin);
-  const std::size_t end = text.find_first_not_of("0123456789", percent + 1);
-  const std::string_view width = text.substr(percent + 1, end - percent - 1);
-  if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 ||
-      width[0] != '0')
+  const auto width = width_of_number(text.substr(percent));
+  if (!width)
     return refused(flag, text, fmt::format("has a '%' that is not a {} number like '%06d'", content_of(flag)),
                    extension);
-  int digits = 0;
-  for (const char digit : width) digits = digits * 10 + (digit - '0');
+  const int digits = parse_number<int>(*width).value();
   if (digits < 1 || digits > kMaxDigits)
     return refused(flag, text, fmt::format("asks for {} digits, not 1 to {}", digits, kMaxDigits), extension);
-  return FramePattern(std::string(text.substr(0, percent)), digits, std::string(text.substr(end + 1)));
+  const std::size_t end = percent + width->size() + 2;  // behind '%' and 'd'
+  return FramePattern(std::string(text.substr(0, percent)), digits, std::string(text.substr(end)));
 }
 
 bool FramePattern::is_one(std::string_view text) {
