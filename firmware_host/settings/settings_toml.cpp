@@ -72,19 +72,23 @@ Error at_line(const std::string& name, std::uint32_t line, const Error& error) {
 Result<void> check_letters(std::string_view text, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  constexpr char kOutside = '\0';
+  char within = kOutside;  // a quote or comment, by the character that opened it; a line's end ends both
   std::uint32_t line = 1;
-  char inside = '\n';  // of a quote or comment, by the character that opened it
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    const bool escapes_next = within == '"' && c == '\\' && !text.substr(i + 1).starts_with('\n');
     if (c == '\n') {
-      ++line, inside = '\n';
-    } else if (inside == '"' && c == '\\' && !text.substr(i + 1).starts_with('\n')) {
+      ++line, within = kOutside;
+    } else if (escapes_next) {
       ++i;
-    } else if (inside != '\n') {
-      if (c == inside && c != '#') inside = '\n';
-    } else if (c == '"' || c == '\'' || c == '#') {
-      inside = c;
-      if (c != '#' && text.substr(i).starts_with(std::string(3, c)))
+    } else if (within != kOutside) {
+      if (c == within && within != '#') within = kOutside;
+    } else if (c == '#') {
+      within = c;
+    } else if (c == '"' || c == '\'') {
+      within = c;
+      if (text.substr(i).starts_with(std::string(3, c)))
         return at_line(name, line, {ErrorCode::Invalid, "no setting is a multi-line text"});
     } else if (static_cast<unsigned char>(c) >= 0x80) {
       return at_line(name, line, {ErrorCode::Invalid, "a letter outside ASCII needs quotes; write \"é\""});
