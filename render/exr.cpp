@@ -181,14 +181,17 @@ Result<void> check_possible(const Imf::Header& header, std::size_t channels, std
     return static_cast<std::size_t>(width_of(window)) * static_cast<std::size_t>(height_of(window)) *
            channels;
   };
-  const Imath::Box2i& window = header.dataWindow();
-  const std::size_t samples = samples_of(window), shown_samples = samples_of(header.displayWindow());
+  const Imath::Box2i &window = header.dataWindow(), &display = header.displayWindow();
+  const std::size_t samples = samples_of(window), shown_samples = samples_of(display);
   const std::size_t most_shown = std::max(kMostBesideData * samples, kUltraHighDefinition * channels);
   if (samples == 0 || samples > kMaxSamples || shown_samples == 0 || shown_samples > kMaxSamples ||
       shown_samples > most_shown)
     return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
-                             channels, width_of(window), height_of(window))};
+                 fmt::format("'{}' states {} channels of {}x{} in a picture of {}x{}, which is none or more "
+                             "than hdrcam reads ({} samples, and {} times the data): it is damaged, or to be "
+                             "saved smaller",
+                             name, channels, width_of(window), height_of(window), width_of(display),
+                             height_of(display), kMaxSamples, kMostBesideData)};
   if (!can_hold(file_bytes, header, samples))
     return Error{ErrorCode::Truncated,
                  fmt::format("'{}' has {} bytes, too few for {} channels of {}x{}: it was cut, or is damaged",
