@@ -89,7 +89,7 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
   const bool is_kept =
       kind == OutputKind::Recording || kind == OutputKind::Scene || kind == OutputKind::Document;
   if (is_kept && place.facts.kind == FileKind::Regular)
-    return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another file, or replace it "
+    return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another place, or replace it "
                                                 "with --force",
                                                 place.words, place.path)};
   if (!place.names) return {};
