@@ -159,11 +159,16 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
   return rows;
 }
 
-// Hermite's cubic between two values with slopes per second.
-double hermite(double a, double b, double slope_a, double slope_b, double length_s, double at) {
+// A value with its slope per second.
+struct PathKnot {
+  double value, slope;
+};
+
+// Hermite's cubic between two knots. at: 0 is a, 1 is b.
+double hermite(const PathKnot& a, const PathKnot& b, double length_s, double at) {
   const double a2 = at * at, a3 = a2 * at;
-  return (2 * a3 - 3 * a2 + 1) * a + (a3 - 2 * a2 + at) * length_s * slope_a + (3 * a2 - 2 * a3) * b +
-         (a3 - a2) * length_s * slope_b;
+  return (2 * a3 - 3 * a2 + 1) * a.value + (a3 - 2 * a2 + at) * length_s * a.slope +
+         (3 * a2 - 2 * a3) * b.value + (a3 - a2) * length_s * b.slope;
 }
 
 }  // namespace
@@ -267,15 +272,15 @@ ViewOffset ViewPath::at(double playback_s) const {
   const auto i = static_cast<std::size_t>(after - poses_.begin());
   const Pose &a = poses_[i - 1], &b = poses_[i];
   const Pose &before = poses_[i > 1 ? i - 2 : 0], &later = poses_[std::min(i + 1, poses_.size() - 1)];
-  const double length_s = b.time_s - a.time_s;
+  const double length_s = b.time_s - a.time_s, at = (playback_s - a.time_s) / length_s;
   const auto curve = [&](Eigen::Vector3d ViewOffset::*part) {
     Eigen::Vector3d value;
     for (int k = 0; k < 3; ++k) {
+      const auto of = [&](const Pose& pose) { return (pose.offset.*part)[k]; };
       const auto slope = [&](const Pose& from, const Pose& to) {
-        return ((to.offset.*part)[k] - (from.offset.*part)[k]) / (to.time_s - from.time_s);
+        return (of(to) - of(from)) / (to.time_s - from.time_s);
       };
-      value[k] = hermite((a.offset.*part)[k], (b.offset.*part)[k], slope(before, b), slope(a, later),
-                         length_s, (playback_s - a.time_s) / length_s);
+      value[k] = hermite({of(a), slope(before, b)}, {of(b), slope(a, later)}, length_s, at);
     }
     return value;
   };
