@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/report_style.h"
 #include "firmware_host/sinks/svg_chart.h"
 #include "firmware_host/version.h"
+#include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/json_text.h"
 
@@ -89,25 +90,26 @@ std::string cost_table(std::span<const PointCost> costs) {
   return text;
 }
 
-std::string cost_json(std::span<const PointCost> costs, const std::string& command, int threads) {
+std::string cost_json(const MeasuredWalk& walk) {
   Json json{{"hdrcam", kVersion},
-            {"command", command},
-            {"threads", threads},
+            {"command", walk.command},
+            {"threads", walk.threads},
             {"cpu", cpu_model()},
             {"instruction_set", name(instruction_set())}};
-  for (const PointCost& mean : by_time(means_of(costs))) json["means"].push_back(json_of(mean));
-  for (const PointCost& cost : costs) json["points"].push_back(json_of(cost));
+  for (const PointCost& mean : by_time(means_of(walk.costs))) json["means"].push_back(json_of(mean));
+  for (const PointCost& cost : walk.costs) json["points"].push_back(json_of(cost));
   return json_text(json, 2) + "\n";
 }
 
-std::string cost_page(std::span<const PointCost> costs, const std::string& command, int threads) {
+std::string cost_page(const MeasuredWalk& walk) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>The cost of accuracy "
       "- hdrcam</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n<header><h1>The cost of accuracy</h1>\n"
-      "<p>{}, {}, {} threads. <code>{}</code></p></header>\n",
-      kReportStyle, escaped(cpu_model()), name(instruction_set()), threads, escaped(command));
-  std::vector<PointCost> shown = means_of(costs);
+      "<p>{}, {}, {}. <code>{}</code></p></header>\n",
+      kReportStyle, escaped(cpu_model()), name(instruction_set()), counted(walk.threads, "thread"),
+      escaped(walk.command));
+  std::vector<PointCost> shown = means_of(walk.costs);
   const auto section = [&](const std::string& title) {
     html += fmt::format("<section><h2>{}</h2>\n", escaped(title));
     html += chart_of(shown, "Quality", "PSNR-mu, dB", &PointCost::psnr_mu_db);
@@ -116,11 +118,11 @@ std::string cost_page(std::span<const PointCost> costs, const std::string& comma
   };
   section("Mean of the clips");
   std::vector<std::string> clips;
-  for (const PointCost& cost : costs)
+  for (const PointCost& cost : walk.costs)
     if (std::ranges::find(clips, cost.clip) == clips.end()) clips.push_back(cost.clip);
   for (const std::string& clip : clips) {
     shown.clear();
-    std::ranges::copy_if(costs, std::back_inserter(shown),
+    std::ranges::copy_if(walk.costs, std::back_inserter(shown),
                          [&](const PointCost& cost) { return cost.clip == clip; });
     section(clip);
   }

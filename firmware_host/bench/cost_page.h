@@ -14,8 +14,16 @@ std::vector<bool> on_the_front(std::span<const PointCost> points);
 
 // The means over the clips, one row per point, ordered by time; with a mark for those on the front.
 std::string cost_table(std::span<const PointCost> costs);
+// The walk that the pages tell of.
+struct MeasuredWalk {
+  std::span<const PointCost> costs;  // of every point and clip
+  std::string command;               // that measures them again
+  int threads = 1;
+};
+
 // Every point and clip, the means, the machine and the command.
-std::string cost_json(std::span<const PointCost> costs, const std::string& command, int threads);
-std::string cost_page(std::span<const PointCost> costs, const std::string& command, int threads);
+std::string cost_json(const MeasuredWalk& walk);
+// A page in HTML: the charts of the means, and of each clip.
+std::string cost_page(const MeasuredWalk& walk);
 
 }  // namespace hdrcam

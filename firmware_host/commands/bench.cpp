@@ -61,15 +61,14 @@ std::string command_of(const BenchFlags& flags, const CostWalk& plan, const Sett
 }
 
 // Writes the pages into the folder and prints the table. Errors: those of the disk.
-Result<void> show_costs(const std::vector<PointCost>& costs, const std::string& command, int threads,
-                        const std::string& folder, Storage& storage) {
+Result<void> show_costs(const MeasuredWalk& walk, const std::string& folder, Storage& storage) {
   const auto write = [&](const char* name, const std::string& text) {
     return write_whole(storage, folder + "/" + name, std::as_bytes(std::span(text)));
   };
-  const std::string table = cost_table(costs);
+  const std::string table = cost_table(walk.costs);
   TRY(write(kTable, table));
-  TRY(write(kFigures, cost_json(costs, command, threads)));
-  TRY(write(kCharts, cost_page(costs, command, threads)));
+  TRY(write(kFigures, cost_json(walk)));
+  TRY(write(kCharts, cost_page(walk)));
   say("{}{}/{}: the charts; {} and {}: the figures\n", table, folder, kCharts, kFigures, kTable);
   return {};
 }
@@ -106,8 +105,9 @@ Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surrou
     return Error{ErrorCode::Interrupted, "stopped before a point was measured; nothing was written"};
   if (!walked && costs.empty()) return walked.error();
 
-  TRY(show_costs(costs, command_of(flags, plan, settings), thread_count(settings.fit), flags.output,
-                 around.storage));
+  TRY(show_costs(
+      {.costs = costs, .command = command_of(flags, plan, settings), .threads = thread_count(settings.fit)},
+      flags.output, around.storage));
   if (interrupted)
     return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} points; the pages hold these",
                                                      costs.size(), plan.points.size() * plan.clips.size())};
