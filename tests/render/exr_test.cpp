@@ -351,17 +351,21 @@ TEST_CASE("the picture of an OpenEXR file is what it displays, whatever part of 
     const std::size_t window = text.find(kWindow);
     REQUIRE(window != std::string_view::npos);
     std::memcpy(bytes.data() + window + kWindow.size(), corners.data(), sizeof corners);
-    return decode_exr(bytes, "windows.exr").value();
+    return decode_exr(bytes, "windows.exr");
   };
-  const ExrImage part = displayed({8, 4, 55, 67});  // four rows more than there are data
+  const ExrImage part = displayed({8, 4, 55, 67}).value();  // four rows more than there are data
   REQUIRE(part.samples.cols() == 48);
   REQUIRE(part.samples.rows() == 64);
   CHECK(part.samples.at(0, 0, 0) == data.at(0, 4, 8));
   CHECK(part.samples.at(0, 59, 47) == data.at(0, 63, 55));
   CHECK(part.samples.at(0, 60, 0) == 0);
-  const ExrImage apart = displayed({100, 100, 103, 101});
+  const ExrImage apart = displayed({100, 100, 103, 101}).value();
   CHECK(apart.samples.cols() == 4);
   CHECK(apart.samples.at(0, 1, 3) == 0);
+  const auto vast = displayed({0, 0, 65535, 1023});
+  REQUIRE_FALSE(vast.ok());
+  CHECK(vast.error().code == ErrorCode::Unsupported);
+  CHECK(vast.error().message.find("1 channels of 64x64 in a picture of 65536x1024") != std::string::npos);
 }
 
 TEST_CASE("bytes that are no OpenEXR file are refused by name") {
