@@ -16,6 +16,7 @@
 namespace hdrcam {
 namespace {
 
+constexpr clip_policy::UsableCodes kUsable = clip_policy::kResponseMatch;
 constexpr double kDarkShare = 0.0005;  // of the pixels
 constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
 
@@ -42,9 +43,8 @@ struct CodesOfPair {
 
   // Of the pixels that are neither black in the shorter nor white in the longer frame; below 0: none.
   double share_in_both() const {
-    const auto [first, last] = clip_policy::kResponseMatch;
-    const auto black = std::ranges::count_if(shorter, [first](float code) { return code < first; });
-    const auto seen = std::ranges::count_if(longer, [last](float code) { return code <= last; });
+    const auto black = std::ranges::count_if(shorter, [](float code) { return code < kUsable.darkest; });
+    const auto seen = std::ranges::count_if(longer, [](float code) { return code <= kUsable.brightest; });
     return static_cast<double>(seen - black) / static_cast<double>(longer.size());
   }
 };
@@ -72,7 +72,7 @@ class Ranking {
   // The code below which this share of the pixels lies, linear within one code; none where it is white.
   std::optional<double> code_at(double share) const {
     const Plateau p = plateau(share);
-    if (p.code > static_cast<double>(clip_policy::kResponseMatch.brightest)) return std::nullopt;
+    if (p.code > static_cast<double>(kUsable.brightest)) return std::nullopt;
     const double within =
         (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
     const double lower = std::max(p.lower, p.code - kWidestGap / 2),
@@ -111,9 +111,9 @@ class Ranking {
 constexpr double kEnough = 0.5;
 
 std::ptrdiff_t usable(const std::vector<CodeMatch>& matches) {
-  const auto [first, last] = clip_policy::kResponseMatch;
-  return std::ranges::count_if(
-      matches, [first, last](const CodeMatch& match) { return match.z1 >= first && match.z2 <= last; });
+  return std::ranges::count_if(matches, [](const CodeMatch& match) {
+    return match.z1 >= kUsable.darkest && match.z2 <= kUsable.brightest;
+  });
 }
 
 bool too_few(const std::vector<CodeMatch>& matches, double expected) {
