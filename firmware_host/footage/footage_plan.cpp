@@ -140,7 +140,7 @@ Result<FootageScan> scan_in_order(Storage& storage, const FootageRequest& reques
                     seen.taken.size() == plan.files.size() &&
                     !is_next_number(plan.files[first - 1], plan.files[first]);
   if (!plan.goes_round) return seen;
-  std::ranges::rotate(plan.files, plan.files.begin() + static_cast<std::ptrdiff_t>(first));
+  std::rotate(plan.files.begin(), plan.files.begin() + static_cast<std::ptrdiff_t>(first), plan.files.end());
   footage = TRY(open_footage(storage, plan.files, request.framerate_hz));
   return scan_footage(*footage, stop);
 }
