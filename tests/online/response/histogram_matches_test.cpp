@@ -80,11 +80,12 @@ TEST_CASE("where no pixel has the light between two codes, none of it is matched
   struct Scene {
     double dark, bright, per_column;
   };
-  for (const auto& [dark, bright, per_column] : {Scene{0.001, 0.02, 0.004}, {0.004, 0.2, 0.01}}) {
+  for (const Scene& scene : {Scene{0.001, 0.02, 0.004}, {0.004, 0.2, 0.01}}) {
     const std::vector<CodeMatch> found = matched(0, [&](int, int x) {
-      return x < 128 ? dark * std::exp2(per_column * x) : bright * std::exp2(per_column * (x - 128));
+      return x < 128 ? scene.dark * std::exp2(scene.per_column * x)
+                     : scene.bright * std::exp2(scene.per_column * (x - 128));
     });
-    CAPTURE(bright);
+    CAPTURE(scene.bright);
     CHECK(found.size() > 50);
     for (const CodeMatch& match : found) {
       CAPTURE(match.z1, match.z2);
