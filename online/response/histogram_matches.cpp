@@ -137,8 +137,8 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
         std::ranges::min_element(matches, {}, [](const auto& entry) { return entry.second.newest; }));
 }
 
-std::vector<CodeMatch> matches_between(CodesOfPair codes) {
-  std::vector<float> scratch;
+// scratch: room for sorting, which one pair of frames needs six times.
+std::vector<CodeMatch> matches_between(CodesOfPair codes, std::vector<float>& scratch) {
   const Ranking dark(std::move(codes.shorter), scratch), light(std::move(codes.longer), scratch);
   std::vector<CodeMatch> found;
   for (int q = 1; q < HistogramMatches::kQuantiles; ++q) {
@@ -171,6 +171,7 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
   const BlurLengths blur = blur_between(shorter.codes, longer.codes);
   const int step = line_step(longer.codes);
   Image<float> blurred;
+  std::vector<float> scratch;
   OfPair found;
   for (std::size_t c = 0; c < 3; ++c) {
     const int channel = static_cast<int>(c), dark_channel = blur.any() ? 0 : channel;
@@ -179,9 +180,10 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
     CodesOfPair plain{plain_codes(dark, dark_channel, step), plain_codes(longer.codes, channel, step)};
     bound_black(c, plain.shorter, bounds);
     found[c] = matches_between(
-        {neighbour_medians(dark, dark_channel, step), neighbour_medians(longer.codes, channel, step)});
+        {neighbour_medians(dark, dark_channel, step), neighbour_medians(longer.codes, channel, step)},
+        scratch);
     if (too_few(found[c], plain.share_in_both() * kQuantiles))
-      prefer(matches_between(std::move(plain)), found[c]);
+      prefer(matches_between(std::move(plain), scratch), found[c]);
   }
   return found;
 }
