@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "online/mu_law.h"
+#include "tests/support/state_estimate.h"
 
 #include <catch2/catch.hpp>
 
@@ -47,21 +48,12 @@ struct JudgedRow {
     input.facts.exposure_s = 0.008, input.facts.analogue_gain = 2;
   }
   void emit(const Image<float>* later_share) {
-    FrameBudget budget;
-    budget.shrinkage = ShrinkageEffort::Off;
-    Emission(pool).render({.frame = input,
-                           .state = state,
-                           .own_share = own,
-                           .later_share = later_share,
-                           .to_previous = nullptr,
-                           .field = {},
-                           .view = {},
-                           .fit = nullptr,
-                           .budget = budget,
-                           .white = kWhite,
-                           .unseen_variance = unseen_variance_from(kWhite),
-                           .reference_exposure = 0.004},
-                          frame);
+    FrameEstimate estimate = test::estimate_by_state(input, state, own);
+    estimate.later_share = later_share;
+    estimate.budget.shrinkage = ShrinkageEffort::Off;
+    estimate.white = kWhite, estimate.unseen_variance = unseen_variance_from(kWhite);
+    estimate.reference_exposure = 0.004;
+    Emission(pool).render(estimate, frame);
   }
 };
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "tests/support/state_estimate.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -58,18 +60,9 @@ void correct(HdrFrame& frame, const Ball& ball, Toward toward, double readout_s 
   input.interval_s = kInterval_s;
   const RadianceEstimate state;
   const Image<float> own_share;
-  const FrameEstimate estimate{.frame = input,
-                               .state = state,
-                               .own_share = own_share,
-                               .to_previous = toward == Toward::Previous ? &back : nullptr,
-                               .to_next = toward == Toward::Next ? &on.vectors : nullptr,
-                               .field = {},
-                               .view = {},
-                               .fit = nullptr,
-                               .budget = {},
-                               .white = 1,
-                               .unseen_variance = 1,
-                               .reference_exposure = 1};
+  FrameEstimate estimate = test::estimate_by_state(input, state, own_share);
+  if (toward == Toward::Previous) estimate.to_previous = &back;
+  if (toward == Toward::Next) estimate.to_next = &on.vectors;
   RollingShutterCorrection(pool).correct(estimate, readout_s, frame);
 }
 

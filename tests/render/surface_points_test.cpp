@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "tests/support/state_estimate.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -29,20 +31,9 @@ struct Wall {
         for (int x = 0; x < kCols; ++x) radiance.at(c, y, x) = static_cast<float>(10000 * c + 100 * y + x);
   }
   void find(bool posed = true) {
-    SceneView view;
-    view.rows = kRows, view.cols = kCols;
-    view.lens = {50, 40, 24, 16};
-    FrameEstimate estimate{.frame = input,
-                           .state = state,
-                           .own_share = own_share,
-                           .to_previous = nullptr,
-                           .field = {},
-                           .view = view,
-                           .fit = nullptr,
-                           .budget = {},
-                           .white = 1,
-                           .unseen_variance = 1,
-                           .reference_exposure = 1};
+    FrameEstimate estimate = test::estimate_by_state(input, state, own_share);
+    estimate.view.rows = kRows, estimate.view.cols = kCols;
+    estimate.view.lens = {50, 40, 24, 16};
     if (posed) estimate.pose = pose;
     estimate.depth = &depth;
     find_surface_points(estimate, radiance, points);

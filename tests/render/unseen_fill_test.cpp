@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/support/state_estimate.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -29,19 +31,10 @@ struct Scene {
     frame.provenance.fill(static_cast<std::uint8_t>(Provenance::Own));
   }
   FrameEstimate estimate() const {
-    SceneView view;
-    view.rows = kRows, view.cols = kCols;
-    return {.frame = input,
-            .state = state,
-            .own_share = own_share,
-            .to_previous = nullptr,
-            .field = {},
-            .view = view,
-            .fit = nullptr,
-            .budget = {},
-            .white = 1,
-            .unseen_variance = kUnseenFrom,
-            .reference_exposure = 1};
+    FrameEstimate estimate = test::estimate_by_state(input, state, own_share);
+    estimate.view.rows = kRows, estimate.view.cols = kCols;
+    estimate.unseen_variance = kUnseenFrom;
+    return estimate;
   }
   // What becomes of the unseen channel where the field says this.
   float filled(float by_field, float largest_ratio) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/scratch_folder.h"
+#include "tests/support/state_estimate.h"
 
 #include <catch2/catch.hpp>
 
@@ -112,18 +113,10 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
     ExposedFrame input;
     const RadianceState state;
     const Image<float> own_share;
-    FrameEstimate estimate{.frame = input,
-                           .state = state,
-                           .own_share = own_share,
-                           .to_previous = nullptr,
-                           .field = FieldNow(&field),
-                           .view = {},
-                           .world = seen.world,
-                           .fit = nullptr,
-                           .budget = {},
-                           .white = frame.white,
-                           .unseen_variance = 1,
-                           .reference_exposure = 1};
+    FrameEstimate estimate = test::estimate_by_state(input, state, own_share);
+    estimate.field = FieldNow(&field);
+    estimate.world = seen.world;
+    estimate.white = frame.white;
     estimate.view.T_world_camera = T_world_camera;
     estimate.view.time_s = seen.time_s;
     estimate.view.lens = {kCols, kCols, kCols / 2.0, kRows / 2.0};

@@ -1,8 +1,8 @@
 // What a frame's estimate tells those who choose exposures: its state and its motion, without a field.
 #pragma once
 
-#include "online/frame_estimate.h"
 #include "online/state/radiance_state.h"
+#include "tests/support/state_estimate.h"
 
 namespace hdrcam::test {
 
@@ -12,18 +12,11 @@ constexpr float kWhite = 16;
 inline FrameEstimate estimate_of(const ExposedFrame& frame, const RadianceState& state,
                                  const FlowField& to_previous, const Image<float>* to_next,
                                  double reference_exposure) {
-  return {.frame = frame,
-          .state = state,
-          .own_share = state.own_share,
-          .to_previous = &to_previous,
-          .to_next = to_next,
-          .field = {},
-          .view = {},
-          .fit = nullptr,
-          .budget = {},
-          .white = kWhite,
-          .unseen_variance = unseen_variance_from(kWhite),
-          .reference_exposure = reference_exposure};
+  FrameEstimate estimate = estimate_by_state(frame, state, state.own_share);
+  estimate.to_previous = &to_previous, estimate.to_next = to_next;
+  estimate.white = kWhite, estimate.unseen_variance = unseen_variance_from(kWhite);
+  estimate.reference_exposure = reference_exposure;
+  return estimate;
 }
 
 }  // namespace hdrcam::test

@@ -12,6 +12,7 @@
 #include "render/render_stage.h"
 #include "tests/online/scene/hash_grid/fit/fit_stream.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/state_estimate.h"
 
 #include <catch2/catch.hpp>
 
@@ -103,6 +104,14 @@ struct Told {
     full.rows = scene.rows, full.cols = scene.cols;
     full.lens = {1.0 * scene.cols, 1.0 * scene.cols, 0.5 * scene.cols, 0.5 * scene.rows};
     return reduced(full, rows_step);
+  }
+  // Of the newest frame, with the field as it was fitted.
+  FrameEstimate estimate(SceneField& field, const FitReport& fit) const {
+    FrameEstimate estimate = test::estimate_by_state(frame, state, state.own_share);
+    estimate.field = FieldNow(&field), estimate.fit = &fit;
+    estimate.view = view();
+    estimate.white = 4, estimate.unseen_variance = unseen_variance_from(4);
+    return estimate;
   }
   std::unique_ptr<SceneField> hash_grid(WorkerPool& pool) const {
     return make_scene_field(FieldKind::HashGrid, FitStream::small_options(),
@@ -358,25 +367,15 @@ TEST_CASE("merged asks the field for what it fills only, and for all where depth
   Told told;
   OneColour field;
   told.take(field, 0);
-  FitReport fit = field.fit({1, 32, 1, 1});
+  const FitReport fit = field.fit({1, 32, 1, 1});
   FrameBudget budget;
   budget.fills = true, budget.render_step = 2;
   HdrFrame frame;
   const auto asked = [&](DepthLayer depth) {
     wanted = 0;
-    RenderStage({.layer = EmitLayer::Merged, .depth = depth}, pool)
-        .render({.frame = told.frame,
-                 .state = told.state,
-                 .own_share = told.state.own_share,
-                 .to_previous = nullptr,
-                 .field = FieldNow(&field),
-                 .view = told.view(),
-                 .fit = &fit,
-                 .budget = budget,
-                 .white = 4,
-                 .unseen_variance = unseen_variance_from(4),
-                 .reference_exposure = 1},
-                frame);
+    FrameEstimate estimate = told.estimate(field, fit);
+    estimate.budget = budget;
+    RenderStage({.layer = EmitLayer::Merged, .depth = depth}, pool).render(estimate, frame);
     return wanted;
   };
   told.state.variance.fill(1e-4f);
@@ -398,24 +397,15 @@ TEST_CASE("a field that is nothing like hash grids is emitted through the same s
   Told told;
   OneColour field;
   for (int i = 0; i < 3; ++i) told.take(field, i, true);
-  FitReport fit = field.fit({20, 32, 1, 1});
+  const FitReport fit = field.fit({20, 32, 1, 1});
   CHECK(fit.losses[0].value < 1e-3);
   for (float& v : told.state.variance.samples()) v = kUnseenVariance;  // nobody saw anything
   told.state.radiance.fill(0.01f);                                     // at least this bright
   RenderStage stage({.layer = EmitLayer::Merged, .largest_field_ratio = 1000}, pool);
   HdrFrame frame;
-  stage.render({.frame = told.frame,
-                .state = told.state,
-                .own_share = told.state.own_share,
-                .to_previous = nullptr,
-                .field = FieldNow(&field),
-                .view = told.view(),
-                .fit = &fit,
-                .budget = {.fit = {}, .fills = true},
-                .white = 4,
-                .unseen_variance = unseen_variance_from(4),
-                .reference_exposure = 1},
-               frame);
+  FrameEstimate estimate = told.estimate(field, fit);
+  estimate.budget.fills = true;
+  stage.render(estimate, frame);
   REQUIRE(frame.radiance.size() > 0);
   for (int c = 0; c < 3; ++c)
     for (int x = 0; x < frame.radiance.cols(); ++x)
