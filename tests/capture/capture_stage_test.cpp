@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -506,11 +507,14 @@ TEST_CASE("capture does not allocate once it runs", "[capture]") {
   CHECK_ALLOCATIONS(by_stage == 0);
 }
 
-// Something happens to it while a request is being queued, which it then refuses.
+// Something happens to it while a request is being queued, which it then refuses: the one after a request for
+// each buffer and `more` others.
 class RefusingCamera : public MisbehavingCamera {
  public:
-  RefusingCamera(int requests, const Error& refusal)
-      : MisbehavingCamera({}, {}), left_(requests), refusal_(refusal) {}
+  static constexpr int kBuffers = 8;
+
+  RefusingCamera(int more, const Error& refusal)
+      : MisbehavingCamera({}, {}), left_(kBuffers + more), refusal_(refusal) {}
   void set_happens(std::function<void()> happens) { happens_ = std::move(happens); }
   Result<void> queue(const ExposureRequest& request) override {
     if (left_-- > 0) return MisbehavingCamera::queue(request);
@@ -524,36 +528,35 @@ class RefusingCamera : public MisbehavingCamera {
   std::function<void()> happens_;
 };
 
+std::unique_ptr<CaptureStage> opened_on(RefusingCamera& camera) {
+  auto opened =
+      CaptureStage::open(camera, nullptr, kThree, Mains::Off, {.buffers = RefusingCamera::kBuffers});
+  REQUIRE(opened.ok());
+  return std::move(*opened);
+}
+
 TEST_CASE("the frame that came before the camera refused a request is delivered, then the refusal is told",
           "[capture]") {
-  CaptureOptions options;
-  options.buffers = 8;
-  RefusingCamera sensor(options.buffers + 5, {ErrorCode::Unplugged, "the model went away"});
-  auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
-  REQUIRE(opened.ok());
-  CaptureStage& stage = **opened;
-  REQUIRE(stage.start().ok());
+  RefusingCamera sensor(5, {ErrorCode::Unplugged, "the model went away"});
+  const auto stage = opened_on(sensor);
+  REQUIRE(stage->start().ok());
   CapturedFrame frame;
-  for (int i = 0; i < 6; ++i) REQUIRE(stage.next(frame).ok());
-  const Result<void> refused = stage.next(frame);
+  for (int i = 0; i < 6; ++i) REQUIRE(stage->next(frame).ok());
+  const Result<void> refused = stage->next(frame);
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == ErrorCode::Unplugged);
-  CHECK(stage.counters().emitted == 6);
-  CHECK(stage.counters().captured == 6);
+  CHECK(stage->counters().emitted == 6);
+  CHECK(stage->counters().captured == 6);
 }
 
 TEST_CASE("a stop by another thread while a request is queued is an interruption, not a fault", "[capture]") {
-  CaptureOptions options;
-  options.buffers = 8;
-  RefusingCamera sensor(options.buffers + 1, {ErrorCode::Invalid, "the model is not started"});
-  auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
-  REQUIRE(opened.ok());
-  CaptureStage& stage = **opened;
-  sensor.set_happens([&] { (void)stage.stop(); });
-  REQUIRE(stage.start().ok());
+  RefusingCamera sensor(1, {ErrorCode::Invalid, "the model is not started"});
+  const auto stage = opened_on(sensor);
+  sensor.set_happens([&] { (void)stage->stop(); });
+  REQUIRE(stage->start().ok());
   CapturedFrame frame;
-  for (int i = 0; i < 2; ++i) REQUIRE(stage.next(frame).ok());
-  const Result<void> stopped = stage.next(frame);
+  for (int i = 0; i < 2; ++i) REQUIRE(stage->next(frame).ok());
+  const Result<void> stopped = stage->next(frame);
   REQUIRE_FALSE(stopped.ok());
   CHECK(stopped.error().code == ErrorCode::Interrupted);
 }
