@@ -20,13 +20,37 @@ constexpr clip_policy::UsableCodes kUsable = clip_policy::kResponseMatch;
 constexpr double kDarkShare = 0.0005;  // of the pixels
 constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
 
-// The codes of a channel as they are, of the lines that are looked at.
-std::vector<float> plain_codes(const Image<float>& codes, int channel, int step) {
-  std::vector<float> plain;
-  plain.reserve(codes.plane_size() / static_cast<std::size_t>(step) + static_cast<std::size_t>(codes.cols()));
-  for (int y = 0; y < codes.rows(); y += step)
-    plain.insert(plain.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
-  return plain;
+// Every step-th line of one channel of a frame: what is looked at of it.
+struct SparseChannel {
+  const Image<float>& codes;
+  int channel, step;
+
+  std::size_t pixels() const {
+    const int lines = (codes.rows() + step - 1) / step;
+    return static_cast<std::size_t>(lines) * static_cast<std::size_t>(codes.cols());
+  }
+  template <class Is>
+  std::ptrdiff_t count(Is is) const {
+    std::ptrdiff_t found = 0;
+    for (int y = 0; y < codes.rows(); y += step)
+      found += std::count_if(codes.row(channel, y), codes.row(channel, y) + codes.cols(), is);
+    return found;
+  }
+  std::vector<float> plain_codes() const {
+    std::vector<float> plain;
+    plain.reserve(pixels());
+    for (int y = 0; y < codes.rows(); y += step)
+      plain.insert(plain.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
+    return plain;
+  }
+  std::vector<float> median_codes() const { return neighbour_medians(codes, channel, step); }
+};
+
+// Of the pixels, those that are neither black in the shorter nor white in the longer frame; below 0: none.
+double share_in_both(const SparseChannel& shorter, const SparseChannel& longer) {
+  const auto black = shorter.count([](float code) { return code < kUsable.darkest; });
+  const auto seen = longer.count([](float code) { return code <= kUsable.brightest; });
+  return static_cast<double>(seen - black) / static_cast<double>(longer.pixels());
 }
 
 // A code of unsorted pixels, which it puts into another order.
@@ -36,18 +60,6 @@ float quantile(std::vector<float>& codes, double share) {
   std::nth_element(codes.begin(), at, codes.end());
   return *at;
 }
-
-// One channel of the shorter and of the longer frame.
-struct CodesOfPair {
-  std::vector<float> shorter, longer;
-
-  // Of the pixels that are neither black in the shorter nor white in the longer frame; below 0: none.
-  double share_in_both() const {
-    const auto black = std::ranges::count_if(shorter, [](float code) { return code < kUsable.darkest; });
-    const auto seen = std::ranges::count_if(longer, [](float code) { return code <= kUsable.brightest; });
-    return static_cast<double>(seen - black) / static_cast<double>(longer.size());
-  }
-};
 
 // Codes in order, which know their place in the histogram.
 class Ranking {
@@ -120,10 +132,6 @@ bool too_few(const std::vector<CodeMatch>& matches, double expected) {
   return static_cast<double>(usable(matches)) < kEnough * expected;
 }
 
-void prefer(std::vector<CodeMatch> plain, std::vector<CodeMatch>& matches) {
-  if (too_few(matches, static_cast<double>(usable(plain)))) matches = std::move(plain);
-}
-
 // Of a stream that goes on.
 void keep_newest(std::vector<CodeMatch>& matches) {
   constexpr std::size_t kMost = 25 * std::size_t{HistogramMatches::kQuantiles};
@@ -138,8 +146,9 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
 }
 
 // scratch: room for sorting, which one pair of frames needs six times.
-std::vector<CodeMatch> matches_between(CodesOfPair codes, std::vector<float>& scratch) {
-  const Ranking dark(std::move(codes.shorter), scratch), light(std::move(codes.longer), scratch);
+std::vector<CodeMatch> matches_between(std::vector<float> shorter, std::vector<float> longer,
+                                       std::vector<float>& scratch) {
+  const Ranking dark(std::move(shorter), scratch), light(std::move(longer), scratch);
   std::vector<CodeMatch> found;
   for (int q = 1; q < HistogramMatches::kQuantiles; ++q) {
     const auto boundary = dark.boundary_near(static_cast<double>(q) / HistogramMatches::kQuantiles);
@@ -174,22 +183,21 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
   std::vector<float> scratch;
   OfPair found;
   for (std::size_t c = 0; c < 3; ++c) {
-    const int channel = static_cast<int>(c), dark_channel = blur.any() ? 0 : channel;
+    const int channel = static_cast<int>(c);
     if (blur.any()) blur_channel(shorter.codes, channel, blur, blurred);
-    const Image<float>& dark = blur.any() ? blurred : shorter.codes;
-    CodesOfPair plain{plain_codes(dark, dark_channel, step), plain_codes(longer.codes, channel, step)};
-    bound_black(c, plain.shorter, bounds);
-    found[c] = matches_between(
-        {neighbour_medians(dark, dark_channel, step), neighbour_medians(longer.codes, channel, step)},
-        scratch);
-    if (too_few(found[c], plain.share_in_both() * kQuantiles))
-      prefer(matches_between(std::move(plain), scratch), found[c]);
+    const SparseChannel dark =
+        blur.any() ? SparseChannel{blurred, 0, step} : SparseChannel{shorter.codes, channel, step};
+    const SparseChannel light{longer.codes, channel, step};
+    if (bounds != BlackBounds::Kept) bound_black(c, dark.plain_codes(), bounds);
+    found[c] = matches_between(dark.median_codes(), light.median_codes(), scratch);
+    if (!too_few(found[c], share_in_both(dark, light) * kQuantiles)) continue;
+    std::vector<CodeMatch> plain = matches_between(dark.plain_codes(), light.plain_codes(), scratch);
+    if (too_few(found[c], static_cast<double>(usable(plain)))) found[c] = std::move(plain);
   }
   return found;
 }
 
-void HistogramMatches::bound_black(std::size_t channel, std::vector<float>& codes, BlackBounds bounds) {
-  if (bounds == BlackBounds::Kept) return;
+void HistogramMatches::bound_black(std::size_t channel, std::vector<float> codes, BlackBounds bounds) {
   const float darkest = quantile(codes, kDarkShare), most = quantile(codes, kBelowBlack);
   const bool anew = bounds == BlackBounds::Anew;
   darkest_[channel] = anew ? darkest : std::min(darkest_[channel], darkest);

@@ -67,8 +67,8 @@ class HistogramMatches {
   // Takes the bounds of the black level from the shorter frame, too.
   OfPair match(const ExposedFrame& shorter, const ExposedFrame& longer);
   BlackBounds bounds_by(float exposure);
-  // Puts the codes into another order.
-  void bound_black(std::size_t channel, std::vector<float>& codes, BlackBounds bounds);
+  // codes: all of the shorter frame that are looked at.
+  void bound_black(std::size_t channel, std::vector<float> codes, BlackBounds bounds);
   void keep(const OfPair& found, float shorter, float longer);  // exposures
 
   int pairs_ = 0;
