@@ -101,10 +101,10 @@ float SensorModel::count_blur(ExposedFrame& frame) const {
 
 void SensorModel::compare(const ExposedFrame& frame, float stated, const FlowField& motion,
                           float unseen_variance) {
-  if (blur_kind_ == BlurKind::Shown && looks_closely(frame))
-    shown_blur_.observe(frame, stated, state_.state(), motion, tables_for(frame), unseen_variance);
+  const StateComparison compared{frame, state_.state(), motion, tables_for(frame), unseen_variance};
+  if (blur_kind_ == BlurKind::Shown && looks_closely(frame)) shown_blur_.observe(compared, stated);
   if (noise_kind_ == NoiseKind::Assumed) return;
-  texture_error_->observe(frame, state_.state(), motion, tables_for(frame), unseen_variance);
+  texture_error_->observe(compared);
   for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
 }
 

@@ -29,13 +29,8 @@ float share_of(const ExposedFrame& frame) {
 
 }  // namespace
 
-struct ShownBlur::Seen {
-  const ExposedFrame& frame;
-  const RadianceState& state;
-  const FlowField& to_previous;
-  const ExposureTables& tables;
+struct ShownBlur::Seen : StateComparison {
   float stated;
-  float unseen_variance;
 };
 
 float ShownBlur::stated(const ExposedFrame& frame) {
@@ -59,15 +54,14 @@ void ShownBlur::observe_exposure(const ExposedFrame& frame) {
   forget();
 }
 
-void ShownBlur::observe(const ExposedFrame& frame, float stated, const RadianceState& state,
-                        const FlowField& to_previous, const ExposureTables& tables, float unseen_variance) {
-  if (to_previous.vectors.empty() || stated < kLeastStated) return;
+void ShownBlur::observe(const StateComparison& compared, float stated) {
+  if (compared.to_previous.vectors.empty() || stated < kLeastStated) return;
   if (settling_ > 0) {
     --settling_;
     return;
   }
-  const Seen seen{frame, state, to_previous, tables, stated, unseen_variance};
-  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+  const Seen seen{compared, stated};
+  const int rows = seen.frame.codes.rows(), cols = seen.frame.codes.cols();
   const int apart = lines_apart(rows, cols, kStride);
   lines_.assign(static_cast<std::size_t>((rows + apart - 1) / apart), {});
   pool_.for_each(static_cast<int>(lines_.size()),

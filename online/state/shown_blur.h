@@ -8,11 +8,8 @@
 
 #include <vector>
 
-#include "capture/exposed_frame.h"
 #include "hal/core/worker_pool.h"
-#include "online/pictures/flow_field.h"
-#include "online/state/exposure_tables.h"
-#include "online/state/radiance_state.h"
+#include "online/state/state_comparison.h"
 
 namespace hdrcam {
 
@@ -31,10 +28,8 @@ class ShownBlur {
   // What counts of a stated share.
   float counted(float stated) const { return shown_ ? stated : 0; }
 
-  // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
-  // unseen_variance: from which on a pixel of the state counts as unseen.
-  void observe(const ExposedFrame& frame, float stated, const RadianceState& state,
-               const FlowField& to_previous, const ExposureTables& tables, float unseen_variance);
+  // Learns from a frame, whose facts state this share, and the state of the frame before.
+  void observe(const StateComparison& compared, float stated);
   // The comparisons so far do not hold any more, because the response became another one; what they decided
   // does not depend on it.
   void forget() { evidence_ = {}; }

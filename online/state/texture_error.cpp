@@ -26,12 +26,9 @@ float between(const float* v, float t) {
 
 }  // namespace
 
-void TextureError::observe(const ExposedFrame& frame, const RadianceState& state,
-                           const FlowField& to_previous, const ExposureTables& tables,
-                           float unseen_variance) {
-  if (to_previous.vectors.empty()) return;
-  const Seen seen{frame, state, to_previous, tables, unseen_variance};
-  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+void TextureError::observe(const StateComparison& seen) {
+  if (seen.to_previous.vectors.empty()) return;
+  const int rows = seen.frame.codes.rows(), cols = seen.frame.codes.cols();
   const int apart = lines_apart(rows, cols, kStride);
   const int lines = (rows - 2 * kMargin + apart - 1) / apart;
   if (lines <= 0 || cols <= 2 * kMargin) return;
@@ -51,7 +48,7 @@ void TextureError::observe(const ExposedFrame& frame, const RadianceState& state
 }
 
 // The shares of contrast at the pixels of a line that tell of it, from `shares` on; how many there are.
-std::size_t TextureError::compare_line(const Seen& seen, int y, float* shares) {
+std::size_t TextureError::compare_line(const StateComparison& seen, int y, float* shares) {
   std::size_t found = 0;
   for (int x = kMargin; x < seen.frame.codes.cols() - kMargin; x += kStride)
     if (seen.to_previous.confidence.at(0, y, x) >= kComparedConfidence)
@@ -61,7 +58,7 @@ std::size_t TextureError::compare_line(const Seen& seen, int y, float* shares) {
 }
 
 // Squared difference between sample and carried state over the local contrast; none where it does not tell.
-std::optional<float> TextureError::compare(const Seen& seen, int channel, int y, int x) {
+std::optional<float> TextureError::compare(const StateComparison& seen, int channel, int y, int x) {
   using namespace clip_policy;
   const auto& [frame, state, to_previous, tables, unseen_variance] = seen;
   const float code = frame.codes.at(channel, y, x);

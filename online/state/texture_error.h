@@ -8,11 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "capture/exposed_frame.h"
 #include "hal/core/worker_pool.h"
-#include "online/pictures/flow_field.h"
-#include "online/state/exposure_tables.h"
-#include "online/state/radiance_state.h"
+#include "online/state/state_comparison.h"
 
 namespace hdrcam {
 
@@ -24,10 +21,8 @@ class TextureError {
   // least: the share that is known before any comparison.
   explicit TextureError(WorkerPool& pool, float least = 0) : pool_(pool), least_(least) {}
 
-  // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
-  // unseen_variance: from which on a pixel of the state counts as unseen.
-  void observe(const ExposedFrame& frame, const RadianceState& state, const FlowField& to_previous,
-               const ExposureTables& tables, float unseen_variance);
+  // Learns from a frame and the state of the frame before.
+  void observe(const StateComparison& seen);
 
   // The share of the local contrast (variance of 3x3 pixels) that a sample's variance has on top of its
   // noise; it is measured over the 4x4 pixels between which the state is read, whose contrast is the larger
@@ -35,15 +30,8 @@ class TextureError {
   float share() const;
 
  private:
-  struct Seen {
-    const ExposedFrame& frame;
-    const RadianceState& state;
-    const FlowField& to_previous;
-    const ExposureTables& tables;
-    float unseen_variance;
-  };
-  static std::size_t compare_line(const Seen& seen, int y, float* shares);
-  static std::optional<float> compare(const Seen& seen, int channel, int y, int x);
+  static std::size_t compare_line(const StateComparison& seen, int y, float* shares);
+  static std::optional<float> compare(const StateComparison& seen, int channel, int y, int x);
 
   WorkerPool& pool_;
   const float least_;

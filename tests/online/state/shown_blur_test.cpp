@@ -68,7 +68,7 @@ struct Moving {
     ShownBlur blur(pool);
     for (int i = 0; i < frames; ++i) {
       blur.observe_exposure(frame);
-      blur.observe(frame, stated(), state, motion, tables(), unseen_variance_from(4));
+      blur.observe({frame, state, motion, tables(), unseen_variance_from(4)}, stated());
     }
     return blur.shown();
   }

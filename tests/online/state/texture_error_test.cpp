@@ -55,7 +55,7 @@ struct Texture {
   }
   float found(int frames = 20) {
     TextureError error(pool);
-    for (int i = 0; i < frames; ++i) error.observe(frame, state, motion, tables(), kUnseen);
+    for (int i = 0; i < frames; ++i) error.observe({frame, state, motion, tables(), kUnseen});
     return error.share();
   }
 };
