@@ -22,6 +22,12 @@ double variance_of(const Knots& code, const Eigen::VectorXd& g, const MatchNoise
   return slope * slope / 12 + 0.5 * left + kWidened * left * left;
 }
 
+// g at one code less g at another.
+std::array<Term, 4> difference_of(const Knots& a, const Knots& b) {
+  return {
+      Term{a.lo, 1 - a.fraction}, {a.lo + 1, a.fraction}, {b.lo, b.fraction - 1}, {b.lo + 1, -b.fraction}};
+}
+
 }  // namespace
 
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
@@ -54,12 +60,8 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
       const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
       sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;
-      const std::array<Term, 4> of_curve{Term{k1.lo, 1 - k1.fraction},
-                                         {k1.lo + 1, k1.fraction},
-                                         {k2.lo, k2.fraction - 1},
-                                         {k2.lo + 1, -k2.fraction}};
       const std::array<Term, 2> of_exposures{Term{shorter, -1}, {longer, 1}};
-      squares.add(w, matches.log_ratio, of_curve, of_exposures);
+      squares.add(w, matches.log_ratio, difference_of(k1, k2), of_exposures);
     }
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage

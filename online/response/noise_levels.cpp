@@ -9,11 +9,11 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kTile = 8, kCell = 4;                  // pixels; contrast is measured between cells
-constexpr int kAround = 4;                           // pixels around a tile that belong to its surroundings
-constexpr std::size_t kEnoughTiles = 16 * 2400;      // of a brightness
-constexpr int kMostTiles = 2400;                     // of a frame; larger pictures are sampled
-constexpr float kFirstEdge = 2, kEdgeRatio = 1.16f;  // of the bins, codes
+constexpr int kTile = 8, kCell = 4;  // pixels; contrast is measured between cells
+constexpr int kAround = 4;           // pixels around a tile that belong to its surroundings
+constexpr int kMostTiles = 2400;     // of a frame; larger pictures are sampled
+constexpr std::size_t kEnoughTiles = 16 * std::size_t{kMostTiles};  // of a brightness
+constexpr float kFirstEdge = 2, kEdgeRatio = 1.16f;                 // of the bins, codes
 
 std::optional<std::size_t> bin_of(float code, std::size_t bins) {
   if (code < kFirstEdge) return {};
