@@ -46,6 +46,44 @@ ExposedFrame leaves(int index, float at_px) {
   });
 }
 
+constexpr float kStripe_px = 16, kStripeStep_px = 6;  // two steps look like 4 pixels back, three like 2 on
+
+// A texture that repeats itself, moved to the right.
+ExposedFrame stripes(int index) {
+  return frame_of(index, 1, [&](float x, float) {
+    return 100 + 60 * std::sin(6.2831853f * (x - kStripeStep_px * static_cast<float>(index)) / kStripe_px);
+  });
+}
+
+// An estimator that follows frames at its finest, each from a state that knows the frame before it.
+struct Following {
+  WorkerPool pool{1};
+  MotionEstimator estimator{kRows, kCols, pool};
+  StateMotion motion;
+
+  static ExposureTables tables_of(const ExposedFrame& frame) {
+    return ExposureTables(Response::linear(), {}, frame.exposure);
+  }
+  void step(const ExposedFrame& before, const ExposedFrame& frame, const MotionContext& context = {}) {
+    const RadianceState state = state_of(before, tables_of(before), pool);
+    estimator.match(state, frame, tables_of(frame), {FlowQuality::Fine}, {}, motion);
+    estimator.complete(state, frame, context, FlowQuality::Fine, {}, motion);
+  }
+  // To a frame that is clipped, half way in time to the one after it.
+  void step_over(const ExposedFrame& before, const ExposedFrame& clipped, const ExposedFrame& after) {
+    const ExposureTables after_tables = tables_of(after);
+    step(before, clipped,
+         {.before_ratio = 1, .after = &after, .after_tables = &after_tables, .after_ratio = 0.5f});
+  }
+  // In the middle of the picture, along x.
+  float back_px() const { return motion.to_previous.vectors.at(0, kRows / 2, kCols / 2); }
+  float on_px() const { return motion.from_previous.vectors.at(0, kRows / 2, kCols / 2); }
+};
+
+ExposedFrame clipped_frame(int index) {
+  return frame_of(index, 16, [](float, float) { return kMaxCode; });
+}
+
 }  // namespace
 
 TEST_CASE("the drift of a scene is found between frames of different exposure, both ways") {
@@ -156,124 +194,62 @@ TEST_CASE("motion that only the blue channel of a dark frame shows is found") {
 }
 
 TEST_CASE("what a frame clips is followed over it as fast as it moved before, though its texture repeats") {
-  constexpr float kPeriod = 16, kStep = 6;  // pixels; two steps look like 4 pixels back
-  const auto stripes = [&](int index) {
-    return frame_of(index, 1, [&](float x, float) {
-      return 100 + 60 * std::sin(6.2831853f * (x - kStep * static_cast<float>(index)) / kPeriod);
-    });
-  };
-  WorkerPool pool(1);
-  const Response response = Response::linear();
-  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
-  MotionEstimator estimator(kRows, kCols, pool);
-  StateMotion motion;
-  const ExposedFrame second = stripes(1), after = stripes(3);
-  const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
-  const RadianceState at_first = state_of(stripes(0), usual, pool);
-  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
-  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
-  const RadianceState at_second = state_of(second, usual, pool);
-  estimator.match(at_second, clipped, longer, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_second, clipped,
-                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
-                     FlowQuality::Fine, {}, motion);
-  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
-  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(kStep).margin(0.5));
+  Following stream;
+  stream.step(stripes(0), stripes(1));
+  REQUIRE(stream.back_px() == Approx(-kStripeStep_px).margin(0.5));
+  stream.step_over(stripes(1), clipped_frame(2), stripes(3));
+  CHECK(stream.back_px() == Approx(-kStripeStep_px).margin(0.5));
+  CHECK(stream.on_px() == Approx(kStripeStep_px).margin(0.5));
 }
 
 TEST_CASE(
     "after a pause motion is sought as much farther as the pause was longer, though a texture repeats") {
-  constexpr float kPeriod = 16, kStep = 6;  // pixels; three steps look like two pixels
-  const auto stripes = [&](int index) {
-    return frame_of(index, 1, [&](float x, float) {
-      return 100 + 60 * std::sin(6.2831853f * (x - kStep * static_cast<float>(index)) / kPeriod);
-    });
-  };
-  WorkerPool pool(1);
-  const ExposureTables tables(Response::linear(), {}, 1);
-  MotionEstimator estimator(kRows, kCols, pool);
-  StateMotion motion;
-  const ExposedFrame second = stripes(1);
-  const RadianceState at_first = state_of(stripes(0), tables, pool);
-  estimator.match(at_first, second, tables, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
-  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
-  const RadianceState at_second = state_of(second, tables, pool);
-  estimator.match(at_second, stripes(4), tables, {.flow = FlowQuality::Fine, .before_ratio = 3}, {}, motion);
-  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-3 * kStep).margin(0.5));
-  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(3 * kStep).margin(0.5));
+  Following stream;
+  stream.step(stripes(0), stripes(1));
+  REQUIRE(stream.back_px() == Approx(-kStripeStep_px).margin(0.5));
+  const ExposureTables tables = Following::tables_of(stripes(1));
+  const RadianceState at_second = state_of(stripes(1), tables, stream.pool);
+  stream.estimator.match(at_second, stripes(4), tables, {.flow = FlowQuality::Fine, .before_ratio = 3}, {},
+                         stream.motion);
+  CHECK(stream.back_px() == Approx(-3 * kStripeStep_px).margin(0.5));
+  CHECK(stream.on_px() == Approx(3 * kStripeStep_px).margin(0.5));
 }
 
 TEST_CASE("what gains speed is followed over a frame that clips it to where it is, not to the middle") {
   constexpr float kAt[] = {0, 2, 6, 12};  // pixels: from one frame to the next 2, 4 and 6
-  WorkerPool pool(1);
-  const Response response = Response::linear();
-  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
-  MotionEstimator estimator(kRows, kCols, pool);
-  StateMotion motion;
-  const ExposedFrame second = leaves(1, kAt[1]), after = leaves(3, kAt[3]);
-  const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
-  const RadianceState at_first = state_of(leaves(0, kAt[0]), usual, pool);
-  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
-  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-2).margin(0.1));
-  const RadianceState at_second = state_of(second, usual, pool);
-  estimator.match(at_second, clipped, longer, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_second, clipped,
-                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
-                     FlowQuality::Fine, {}, motion);
+  Following stream;
+  stream.step(leaves(0, kAt[0]), leaves(1, kAt[1]));
+  REQUIRE(stream.back_px() == Approx(-2).margin(0.1));
+  stream.step_over(leaves(1, kAt[1]), clipped_frame(2), leaves(3, kAt[3]));
   // the middle is 5 pixels away, the truth 4; a part of the change is taken for an error of the flow
-  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-4.4).margin(0.15));
-  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(4.4).margin(0.15));
+  CHECK(stream.back_px() == Approx(-4.4).margin(0.15));
+  CHECK(stream.on_px() == Approx(4.4).margin(0.15));
 }
 
 TEST_CASE("what a frame clips moves as what it does not clip shows, though that is off the path") {
   // a hand shakes: half way in time the frame in between is at 3.8 px, and the path says 4.4
   constexpr float kAt[] = {0, 2, 5.8f, 12};
-  WorkerPool pool(1);
-  const Response response = Response::linear();
-  const ExposureTables usual(response, {}, 1);
-  MotionEstimator estimator(kRows, kCols, pool);
-  StateMotion motion;
-  const ExposedFrame second = leaves(1, kAt[1]), after = leaves(3, kAt[3]);
   ExposedFrame clipped = leaves(2, kAt[2]);
   for (int c = 0; c < 3; ++c)
     for (int y = 20; y < 44; ++y) std::fill_n(clipped.codes.row(c, y) + 36, 24, kMaxCode);
-  const RadianceState at_first = state_of(leaves(0, kAt[0]), usual, pool);
-  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
-  const RadianceState at_second = state_of(second, usual, pool);
-  estimator.match(at_second, clipped, usual, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_second, clipped,
-                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
-                     FlowQuality::Fine, {}, motion);
-  CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(-3.8).margin(0.2));
-  CHECK(motion.from_previous.vectors.at(0, 32, 45) == Approx(3.8).margin(0.2));
+  Following stream;
+  stream.step(leaves(0, kAt[0]), leaves(1, kAt[1]));
+  stream.step_over(leaves(1, kAt[1]), clipped, leaves(3, kAt[3]));
+  CHECK(stream.back_px() == Approx(-3.8).margin(0.2));
+  CHECK(stream.motion.from_previous.vectors.at(0, 32, 45) == Approx(3.8).margin(0.2));
 }
 
 TEST_CASE("a motion that changed from step to step goes on changing where a frame clips it") {
   // frames at 0, 1, 3 and 7 intervals; the second step is twice as long as the first and a pixel more than
   // that
   constexpr float kAt[] = {0, 2, 7};
-  WorkerPool pool(1);
-  const Response response = Response::linear();
-  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
   const auto expect = [&](bool first_is_clipped, float step_px) {
-    MotionEstimator estimator(kRows, kCols, pool);
-    StateMotion motion;
-    const auto step = [&](const ExposedFrame& from, const ExposedFrame& to, float ratio) {
-      const RadianceState state = state_of(from, usual, pool);
-      estimator.match(state, to, to.exposure > 1 ? longer : usual, {FlowQuality::Fine}, {}, motion);
-      estimator.complete(state, to, {.before_ratio = ratio}, FlowQuality::Fine, {}, motion);
-    };
-    const ExposedFrame clipped = frame_of(7, 16, [](float, float) { return kMaxCode; });
-    const ExposedFrame second = leaves(1, kAt[1]);
-    step(leaves(0, kAt[0]), first_is_clipped ? clipped : second, 1);
-    step(leaves(1, kAt[1]), leaves(3, kAt[2]), 2);
-    REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-5).margin(0.1));
-    step(leaves(3, kAt[2]), clipped, 2);
-    CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-step_px).margin(0.1));
+    Following stream;
+    stream.step(leaves(0, kAt[0]), first_is_clipped ? clipped_frame(7) : leaves(1, kAt[1]));
+    stream.step(leaves(1, kAt[1]), leaves(3, kAt[2]), {.before_ratio = 2});
+    REQUIRE(stream.back_px() == Approx(-5).margin(0.1));
+    stream.step(leaves(3, kAt[2]), clipped_frame(7), {.before_ratio = 2});
+    CHECK(stream.back_px() == Approx(-step_px).margin(0.1));
   };
   expect(false, 2 * (5 + 0.5f * 1 / (1 + 1)));
   expect(true, 2 * 5);  // nobody measured the first one
@@ -285,25 +261,17 @@ TEST_CASE("a motion that no frame measures any more gives way to that of its sur
     return 110 + 40 * std::sin(0.31f * x + 0.17f * y) + 40 * std::sin(0.23f * y - 0.11f * x);
   };
   const auto lamp = [](float x, float y) { return std::abs(x - 48) < 14 && std::abs(y - 32) < 14; };
-  WorkerPool pool(1);
-  const ExposureTables tables(Response::linear(), {}, 1);
-  MotionEstimator estimator(kRows, kCols, pool);
-  StateMotion motion;
-  const ExposedFrame first = frame_of(0, 1, [&](float x, float y) { return texture(x + kStep, y); });
-  const ExposedFrame second = frame_of(1, 1, texture);
-  const RadianceState at_first = state_of(first, tables, pool);
-  estimator.match(at_first, second, tables, {FlowQuality::Fine}, {}, motion);
-  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
-  REQUIRE(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(0.5));
+  Following stream;
+  stream.step(frame_of(0, 1, [&](float x, float y) { return texture(x + kStep, y); }),
+              frame_of(1, 1, texture));
+  REQUIRE(stream.back_px() == Approx(-kStep).margin(0.5));
   // a lamp comes on, which no frame shows unclipped
   const auto lit = [&](int index) {
     return frame_of(index, 1, [&](float x, float y) { return lamp(x, y) ? kMaxCode : texture(x, y); });
   };
-  const RadianceState at_lamp = state_of(lit(2), tables, pool);
   for (int index = 2; index < 20; ++index) {
-    estimator.match(at_lamp, lit(index), tables, {FlowQuality::Fine}, {}, motion);
-    estimator.complete(at_lamp, lit(index), {}, FlowQuality::Fine, {}, motion);
-    if (index == 2) CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(1));
+    stream.step(lit(index), lit(index));
+    if (index == 2) CHECK(stream.back_px() == Approx(-kStep).margin(1));
   }
-  CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(0).margin(0.5));
+  CHECK(stream.back_px() == Approx(0).margin(0.5));
 }
