@@ -68,6 +68,13 @@ class ExposureTables {
     const auto i = static_cast<std::size_t>(z);
     return table[i] + (table[i + 1] - table[i]) * (z - static_cast<float>(i));
   }
+  // radiance -> code 0..255, clipped
+  float code(int channel, float radiance) const {
+    const float root = root_of(radiance);
+    const auto i = static_cast<std::size_t>(root);
+    const auto& table = code_[static_cast<std::size_t>(channel)];
+    return table[i] + (table[i + 1] - table[i]) * (root - static_cast<float>(i));
+  }
   // variance of a sample of a pixel with this `radiance`: the best current estimate, never the sample itself,
   // which would favour samples that noise made dark
   float variance(int channel, float radiance) const {
@@ -86,13 +93,6 @@ class ExposureTables {
   std::span<const float> variances(int channel) const { return variance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> codes(int channel) const { return code_[static_cast<std::size_t>(channel)]; }
   std::span<const float> hidden(int channel) const { return hidden_[static_cast<std::size_t>(channel)]; }
-  // radiance -> code 0..255, clipped
-  float code(int channel, float radiance) const {
-    const float root = root_of(radiance);
-    const auto i = static_cast<std::size_t>(root);
-    const auto& table = code_[static_cast<std::size_t>(channel)];
-    return table[i] + (table[i + 1] - table[i]) * (root - static_cast<float>(i));
-  }
 
  private:
   static constexpr int kSegments = pass_constants::kSegments;  // uniform in sqrt(x)

@@ -1,5 +1,5 @@
 // Weighs a sample of a pixel against the state: saturation, noise, motion blur, misalignment and
-// disagreement. Shared by the state (each frame's own sample) and by the emission (later frames' samples).
+// disagreement. Shared by the state (each frame's own sample) and by the look-ahead (later frames' samples).
 // Constants were settled by ablation on clips with ground truth (docs/decisions/state.md). Thread-bound;
 // borrows from its pool.
 #pragma once
@@ -105,10 +105,10 @@ class Fusion {
 
   FusionOptions options_;
   WorkerPool& pool_;
-  // borrowed during a call
+  // All are borrowed during a call.
   Image<float> disagreement_, coverage_;
-  Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_,
-      misaligned_;  // lines, one or more for each band
+  // lines, one or more for each band
+  Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_, misaligned_;
 };
 
 }  // namespace hdrcam
