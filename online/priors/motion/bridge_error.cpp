@@ -12,11 +12,12 @@ namespace {
 constexpr int kReach = 3;              // cells, both ways
 constexpr int kEvery = 4, kFirst = 1;  // rows of a cell that are compared
 
-// A Gaussian of a cell and a half.
+// What cells count by their distance along an axis: a Gaussian.
 std::array<float, kReach + 1> fading() {
+  constexpr float kSigma = 1.5f;  // cells
   std::array<float, kReach + 1> weights{};
   for (int d = 0; d <= kReach; ++d)
-    weights[static_cast<std::size_t>(d)] = std::exp(-static_cast<float>(d * d) / (2 * 1.5f * 1.5f));
+    weights[static_cast<std::size_t>(d)] = std::exp(-static_cast<float>(d * d) / (2 * kSigma * kSigma));
   return weights;
 }
 

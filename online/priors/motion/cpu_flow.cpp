@@ -31,24 +31,16 @@ void CpuFlow::compute(FlowQuality quality, const FlowRequest& request) {
   const FlowEffort effort = effort_of(quality);
   const FlowScales scales = scales_of(effort, rows, cols);
   const int coarsest = scales.coarsest, finest = scales.finest;
-  Pyramid &pyramid_a = pyramids_[0], &pyramid_b = pyramids_[1];
-  auto& [there, back] = directions_;
-  there.from = &pyramid_a, there.to = &pyramid_b;
-  there.start = request.start_a_to_b, there.answer = request.a_to_b;
-  back.from = &pyramid_b, back.to = &pyramid_a;
-  back.start = request.start_b_to_a, back.answer = request.b_to_a;
-
+  ask(request);
   for (Pyramid& pyramid : pyramids_)
     for (int scale = std::min(finest, 1); scale <= coarsest; ++scale)
       pool_.scratch().acquire(level_of(pyramid, scale).planes, 3, (rows >> scale) + 2 * kFlowBorder,
                               (cols >> scale) + 2 * kFlowBorder);
   pool_.for_each(2, [&](int i) {
-    if (i == 0)
-      build(*request.a, finest, coarsest, pyramid_a);
-    else
-      build(*request.b, finest, coarsest, pyramid_b);
+    build(i == 0 ? *request.a : *request.b, finest, coarsest, pyramids_[static_cast<std::size_t>(i)]);
   });
   {
+    auto& [there, back] = directions_;
     const ScratchLease room(pool_.scratch(), rows >> finest, cols >> finest,
                             {{&there.flow, 2}, {&back.flow, 2}, {&there.weight, 1}, {&back.weight, 1}});
     // each about as large as three planes, which most pictures of others are, who use them too
@@ -62,6 +54,15 @@ void CpuFlow::compute(FlowQuality quality, const FlowRequest& request) {
     for (Image<float>& picture : direction.room) pool_.scratch().release(picture);
   for (Pyramid& pyramid : pyramids_)
     for (Level& level : pyramid) pool_.scratch().release(level.planes);
+}
+
+// What each direction is asked for.
+void CpuFlow::ask(const FlowRequest& request) {
+  auto& [there, back] = directions_;
+  there.from = &pyramids_[0], there.to = &pyramids_[1];
+  there.start = request.start_a_to_b, there.answer = request.a_to_b;
+  back.from = &pyramids_[1], back.to = &pyramids_[0];
+  back.start = request.start_b_to_a, back.answer = request.b_to_a;
 }
 
 CpuFlow::Level& CpuFlow::level_of(Pyramid& pyramid, int scale) {

@@ -38,6 +38,7 @@ class CpuFlow final : public DenseFlow {
     std::vector<float> line;  // of enlarge()
     PatchSearch search{};     // of the scale
   };
+  void ask(const FlowRequest& request);
   static Level& level_of(Pyramid& pyramid, int scale);
   void build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid);
   void match(int scale, const FlowScales& scales, const FlowEffort& effort);
