@@ -31,8 +31,7 @@ std::array<double, kCells> ranks_of(const CellList& cells, const SceneThumbnail&
 
 }  // namespace
 
-// Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
-// to a monotone curve, whatever lies between the exposures. Means do not: lamps and saturation move them.
+// Medians: means of one scene would not agree, lamps and saturation move them.
 SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vector<float>& scratch) {
   const auto [darkest, brightest] = clip_policy::kSameScene;
   constexpr int kSide = kThumbnailCells;

@@ -8,8 +8,9 @@
 namespace hdrcam {
 
 float find_black_level(float darkest, float most, const std::function<CurveMisfit(float)>& misfit_at) {
+  constexpr float kHighest = 24;  // codes: above, dark pixels are a bright scene
   constexpr double kPenalty = 10, kPriorShare = 0.5;
-  darkest = std::min(darkest, kMaxBlackLevel), most = std::min(most, kMaxBlackLevel);
+  darkest = std::min(darkest, kHighest), most = std::min(most, kHighest);
   double usual = std::numeric_limits<double>::max();  // the prior's misfit at levels that are not above
   const auto misfit = [&](float level) {
     const CurveMisfit agreed = misfit_at(level);

@@ -9,8 +9,6 @@
 
 namespace hdrcam {
 
-inline constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
-
 // Of the curve that fits best: -2 ln of likelihood and prior.
 struct CurveMisfit {
   double of_matches = 0, of_prior = 0;
