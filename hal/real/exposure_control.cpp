@@ -128,6 +128,7 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
     blank_lines = std::clamp(blank_lines, vblank.min, vblank.max);
     v4l2_control control{V4L2_CID_VBLANK, static_cast<std::int32_t>(blank_lines)};
     TRY(node_->demand(VIDIOC_S_CTRL, &control, "fix its frame duration"));
+    blank_lines = value(V4L2_CID_VBLANK).value_or(control.value);  // as the driver rounded it to its steps
   }
   exposure_ = query(V4L2_CID_EXPOSURE);  // its maximum follows the blanking
   return std::optional(Duration(std::llround(static_cast<double>(height + blank_lines) * unit_ns_)));

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// Like most drivers of sensors: the blanking limits the exposure, and a value beyond its limit becomes the
-// limit.
+// Like most drivers of sensors: the blanking limits the exposure, a value beyond its limit becomes the limit,
+// and one between two steps the nearer one.
 struct SensorDriver {
   std::map<std::uint32_t, std::int64_t> values{{V4L2_CID_EXPOSURE, 1200},
                                                {V4L2_CID_ANALOGUE_GAIN, 20},
@@ -28,13 +28,17 @@ struct SensorDriver {
                                                {V4L2_CID_PIXEL_RATE, 24'000'000}};
   std::set<std::uint32_t> fixed{V4L2_CID_HBLANK, V4L2_CID_PIXEL_RATE};  // that can only be read
   std::int64_t least_gain = 1;                                          // code
+  std::int64_t blanking_step = 1;                                       // lines
 
+  std::int64_t step(std::uint32_t id) const { return id == V4L2_CID_VBLANK ? blanking_step : 1; }
   std::int64_t most(std::uint32_t id) const {
     if (id == V4L2_CID_ANALOGUE_GAIN) return 232;
     return id == V4L2_CID_EXPOSURE ? kHeight + values.at(V4L2_CID_VBLANK) - 4 : 100'000'000;
   }
   void set(std::uint32_t id, std::int64_t value) {
-    values[id] = std::min(value, most(id));
+    constexpr std::int64_t kLeast = 1;
+    const std::int64_t steps = (std::min(value, most(id)) - kLeast + step(id) / 2) / step(id);
+    values[id] = kLeast + steps * step(id);
     values[V4L2_CID_EXPOSURE] = std::min(values[V4L2_CID_EXPOSURE], most(V4L2_CID_EXPOSURE));
   }
   int operator()(unsigned long request, void* argument) {
@@ -42,7 +46,7 @@ struct SensorDriver {
       auto& asked = *static_cast<v4l2_query_ext_ctrl*>(argument);
       if (!values.contains(asked.id)) return EINVAL;
       asked.minimum = asked.id == V4L2_CID_ANALOGUE_GAIN ? least_gain : 1;
-      asked.maximum = most(asked.id), asked.step = 1;
+      asked.maximum = most(asked.id), asked.step = static_cast<std::uint64_t>(step(asked.id));
       asked.flags = fixed.contains(asked.id) ? V4L2_CTRL_FLAG_READ_ONLY : 0;
       return 0;
     }
@@ -100,6 +104,20 @@ TEST_CASE("a sensor does what it is asked for, and gets back the exposure, the g
   }
   control.give_back();
   CHECK(driver.values == before);
+}
+
+TEST_CASE(
+    "the frame duration of a sensor whose blanking has steps is that of the step that its driver took") {
+  SensorDriver driver;
+  driver.blanking_step = 64;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  ExposureControl control = ExposureControl::of_sensor(sensor, "imx219 10-0010");
+  const auto fixed = value_of(control.fix_frame_duration(kWidth, kHeight, std::chrono::milliseconds(20)));
+  REQUIRE(fixed.has_value());
+  CHECK(driver.values[V4L2_CID_VBLANK] == 129);  // 1 + 2 * 64, the nearest to 600 - 480 lines
+  CHECK(std::abs((*fixed - std::chrono::microseconds(20'300)).count()) < 1000);
 }
 
 TEST_CASE("a camera that keeps one of its automatic controls is told which") {
