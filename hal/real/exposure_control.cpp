@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 
 namespace hdrcam {
@@ -27,6 +28,28 @@ std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
   controls.which = V4L2_CTRL_WHICH_CUR_VAL, controls.count = 1, controls.controls = &control;
   if (node_->ask(VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
   return wide ? control.value64 : control.value;
+}
+
+// "'Exposure, Auto'", as the driver calls it; else its number.
+std::string ExposureControl::name_of(std::uint32_t id) const {
+  v4l2_query_ext_ctrl answer{};
+  answer.id = id;
+  const bool named = node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) == 0 && answer.name[0] != '\0';
+  return named ? fmt::format("'{}'", answer.name) : fmt::format("{:#x}", id);
+}
+
+// Of a control that a run needs as it asks for it.
+Result<void> ExposureControl::set(v4l2_control& control, const char* doing) const {
+  const int code = node_->ask(VIDIOC_S_CTRL, &control);
+  if (code == 0) return {};
+  if (code == EBUSY && !holder_of(node_->path()).empty()) return device_error(code, node_->path(), doing);
+  const std::string what = fmt::format("{} (control {} to {})", doing, name_of(control.id), control.value);
+  Error error = control_error(code, node_->path(), what);
+  if (error.code != ErrorCode::Unplugged)
+    error.message += fmt::format(
+        "; see with 'v4l2-ctl -d {} -L' what the control takes, plug the camera in again, or choose another",
+        node_->path());
+  return error;
 }
 
 // A gain whose codes define no factors is left alone.
@@ -91,7 +114,7 @@ Result<void> ExposureControl::take_over() {
   for (const Manual& manual : kManual) {
     if (query(manual.id).id == 0) continue;
     v4l2_control control{manual.id, manual.value};
-    TRY(node_->demand(VIDIOC_S_CTRL, &control, manual.doing));
+    TRY(set(control, manual.doing));
   }
   return {};
 }
@@ -127,7 +150,7 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
     blank_lines = std::llround(static_cast<double>(wanted.count()) / unit_ns_) - height;
     blank_lines = std::clamp(blank_lines, vblank.min, vblank.max);
     v4l2_control control{V4L2_CID_VBLANK, static_cast<std::int32_t>(blank_lines)};
-    TRY(node_->demand(VIDIOC_S_CTRL, &control, "fix its frame duration"));
+    TRY(set(control, "fix its frame duration"));
     blank_lines = value(V4L2_CID_VBLANK).value_or(control.value);  // as the driver rounded it to its steps
   }
   exposure_ = query(V4L2_CID_EXPOSURE);  // its maximum follows the blanking

@@ -7,11 +7,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hal/camera.h"
 #include "hal/real/device_node.h"
 #include "hal/real/known_sensors.h"
+
+struct v4l2_control;  // of the kernel
 
 namespace hdrcam {
 
@@ -61,6 +64,9 @@ class ExposureControl {
   Control query(std::uint32_t id) const;
   void take_gain(std::uint32_t id, const std::string& sensor);
   std::optional<std::int64_t> value(std::uint32_t id) const;
+  std::string name_of(std::uint32_t id) const;
+  // `control` becomes as the driver set it. `doing` completes "refused to ...".
+  Result<void> set(v4l2_control& control, const char* doing) const;
   std::optional<double> line_ns(std::int64_t width) const;  // of a sensor; nullopt where it does not say
 
   struct Found {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -47,6 +48,7 @@ struct SensorDriver {
       if (!values.contains(asked.id)) return EINVAL;
       asked.minimum = asked.id == V4L2_CID_ANALOGUE_GAIN ? least_gain : 1;
       asked.maximum = most(asked.id), asked.step = static_cast<std::uint64_t>(step(asked.id));
+      if (asked.id == V4L2_CID_EXPOSURE_AUTO) std::strcpy(asked.name, "Exposure, Auto");
       asked.flags = fixed.contains(asked.id) ? V4L2_CTRL_FLAG_READ_ONLY : 0;
       return 0;
     }
@@ -137,6 +139,26 @@ TEST_CASE("a camera that keeps one of its automatic controls is told which") {
     const Result<void> taken = ExposureControl::of_sensor(sensor, "imx219 10-0010").take_over();
     require_error(taken, ErrorCode::Io);
     CHECK(taken.error().message.find(word) != std::string::npos);
+  }
+}
+
+TEST_CASE("a control that a camera refuses is named, with the value, the device, the reason and what to do") {
+  for (const int code : {EIO, EACCES, EPIPE}) {
+    SensorDriver driver;
+    driver.values[V4L2_CID_EXPOSURE_AUTO] = V4L2_EXPOSURE_APERTURE_PRIORITY;
+    const test::AnsweredIoctl kernel([&](unsigned long request, void* argument) {
+      return request == VIDIOC_S_CTRL ? code : driver(request, argument);
+    });
+    const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+    const Result<void> taken = ExposureControl::of_sensor(sensor, "imx219 10-0010").take_over();
+    require_error(taken, ErrorCode::Io);
+    CHECK(taken.error().sys_errno == code);
+    CHECK(
+        taken.error().message ==
+        fmt::format("'/dev/null' refused to switch its automatic exposure off (control 'Exposure, Auto' to "
+                    "1): {}; see with 'v4l2-ctl -d /dev/null -L' what the control takes, plug the camera in "
+                    "again, or choose another",
+                    std::strerror(code)));
   }
 }
 
