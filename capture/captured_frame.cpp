@@ -34,7 +34,7 @@ std::string proof_of(const CaptureCounters& counters) {
     text += fmt::format("; frames taken too late for their strobe or trigger pulses: {}",
                         counters.pulses_forgotten);
   if (counters.controls_late > 0)
-    text += fmt::format("; frames whose exposure was written late: {}", counters.controls_late);
+    text += fmt::format("; frames whose exposure was written late or never: {}", counters.controls_late);
   return text;
 }
 

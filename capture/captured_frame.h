@@ -27,7 +27,7 @@ struct CaptureCounters {
   std::uint64_t strobe_misfits = 0;    // of them: its width refuses the stated exposure, or none is trusted
   std::uint64_t triggered = 0;         // frames matched with a pulse of the trigger line
   std::uint64_t pulses_forgotten = 0;  // frames taken so late that their strobe or trigger pulse was not kept
-  std::uint64_t controls_late = 0;     // frames whose exposure was written late
+  std::uint64_t controls_late = 0;     // frames whose exposure was written late or never
   std::uint64_t requests_late = 0;     // no free buffer when a request was due
   std::uint64_t relocks = 0;           // times the prediction found the cadence again
   std::uint64_t cycle_changes = 0;     // to follow the light, or what the fit asked for
@@ -38,7 +38,8 @@ struct CaptureCounters {
 };
 
 // Returns text like "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown", and where there are any
-// "; frames taken too late for their strobe or trigger pulses: 3; frames whose exposure was written late: 5".
+// "; frames taken too late for their strobe or trigger pulses: 3; frames whose exposure was written late or
+// never: 5".
 std::string proof_of(const CaptureCounters& counters);
 
 struct CapturedFrame {

@@ -13,6 +13,7 @@
 
 #include "hal/real/buffer_slots.h"
 #include "hal/real/control_pacer.h"
+#include "hal/real/control_refusals.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/recent_stamp.h"
 #include "hal/real/stream_errors.h"
@@ -126,7 +127,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (started_) return already_started(capabilities_.id);
     if (slots_.empty()) return not_configured(capabilities_.id);
     slots_.free_queued();
-    pacer_.restart(), last_write_ = {}, wake_.clear();
+    pacer_.restart(), refusals_.restart(), last_write_ = {}, wake_.clear();
     TRY(stream_.start());
     started_ = true;
     return {};
@@ -187,16 +188,15 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
   // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
-  // complete. A device that is busy with an earlier control gets it with the next frame, which is told to be
-  // late.
+  // complete. A device that does not take it is asked again at the next call, as long as that frame is not
+  // complete; then the frame tells that its exposure was late.
   Result<void> write_due_exposure() {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
     if (!due) return {};
-    Result<void> wrote = control_.write(due->request);
-    if (!wrote && wrote.error().sys_errno == EBUSY) return {};
+    const Result<void> wrote = control_.write(due->request);
     if (wrote) pacer_.written(*due, clock_.now());
-    return wrote;
+    return refusals_.answered(due->index, wrote);
   }
 
   Result<void> sleep_until_ready(Duration left) {
@@ -250,6 +250,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   bool started_ = false;
   BufferSlots slots_{nodes_.video.path()};
   ControlPacer pacer_;
+  ControlRefusals refusals_;
   Result<void> last_write_;  // of an exposure, from within wait()
 };
 

@@ -10,6 +10,21 @@
 #include <cmath>
 
 namespace hdrcam {
+namespace {
+
+// Once more, and again, where a transfer to the device failed: it usually takes the next one. Not after a
+// time-out, which took its time, nor where the device is busy.
+int ask_again(const DeviceNode& node, unsigned long request, void* argument) {
+  constexpr int kTries = 3;
+  int code = 0;
+  for (int i = 0; i < kTries; ++i) {
+    code = node.ask(request, argument);
+    if (code != EIO && code != EPIPE && code != EPROTO && code != EILSEQ && code != EREMOTEIO) break;
+  }
+  return code;
+}
+
+}  // namespace
 
 ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
   v4l2_query_ext_ctrl answer{};
@@ -40,7 +55,7 @@ std::string ExposureControl::name_of(std::uint32_t id) const {
 
 // Of a control that a run needs as it asks for it.
 Result<void> ExposureControl::set(v4l2_control& control, const char* doing) const {
-  const int code = node_->ask(VIDIOC_S_CTRL, &control);
+  const int code = ask_again(*node_, VIDIOC_S_CTRL, &control);
   if (code == 0) return {};
   if (code == EBUSY && !holder_of(node_->path()).empty()) return device_error(code, node_->path(), doing);
   const std::string what = fmt::format("{} (control {} to {})", doing, name_of(control.id), control.value);
@@ -202,7 +217,7 @@ Result<void> ExposureControl::write(const ExposureRequest& wanted, int request_f
   v4l2_ext_controls controls{};
   controls.which = request_fd >= 0 ? V4L2_CTRL_WHICH_REQUEST_VAL : V4L2_CTRL_WHICH_CUR_VAL;
   controls.request_fd = request_fd, controls.count = gain_.id != 0 ? 2 : 1, controls.controls = both.data();
-  if (const int code = node_->ask(VIDIOC_S_EXT_CTRLS, &controls); code != 0)
+  if (const int code = ask_again(*node_, VIDIOC_S_EXT_CTRLS, &controls); code != 0)
     return control_error(code, node_->path(), "set its exposure");
   return {};
 }

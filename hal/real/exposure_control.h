@@ -46,7 +46,8 @@ class ExposureControl {
   Duration readout(int height) const;
   // The limits and steps as they are now.
   void describe(CameraCapabilities& camera) const;
-  // Writes the controls now, or into a media request. No allocation unless it fails.
+  // Writes the controls now, or into a media request; a few times where the transfer to the device fails. Of
+  // two controls one may have been set where it fails. No allocation unless it fails.
   Result<void> write(const ExposureRequest& wanted, int request_fd = -1) const;
   struct Applied {
     Duration exposure{0};

@@ -1,0 +1,45 @@
+// What becomes of an exposure that a device did not take. A USB camera fails a control transfer now and then
+// (a stall, a bus error, "not ready") and takes the next one: its frame goes without its exposure, which the
+// ControlPacer tells, and the run goes on. One that takes none for many frames ends it. Thread-compatible.
+#pragma once
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <iterator>
+
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+class ControlRefusals {
+ public:
+  static constexpr int kMostInARow = 30;  // frames
+
+  void restart() { *this = {}; }
+
+  // What the device answered to the exposure of the frame with this index. Its error, where it will not pass
+  // or went on for too many frames.
+  Result<void> answered(std::uint64_t frame, const Result<void>& wrote) {
+    if (wrote) return frames_ = 0, wrote;
+    if (!may_pass(wrote.error().sys_errno)) return wrote;
+    if (frames_ == 0 || frame != last_) ++frames_, last_ = frame;
+    if (frames_ < kMostInARow) return {};
+    Error error = wrote.error();
+    error.message += fmt::format(", for {} frames in a row; plug the camera in again, or check its cable",
+                                 int{kMostInARow});
+    return error;
+  }
+
+ private:
+  // Of the bus, rather than of the value.
+  static bool may_pass(int code) {
+    constexpr int kOfTheBus[] = {EBUSY, EIO, EPIPE, EPROTO, EILSEQ, EREMOTEIO, ESHUTDOWN, ETIMEDOUT, EAGAIN};
+    return std::find(std::begin(kOfTheBus), std::end(kOfTheBus), code) != std::end(kOfTheBus);
+  }
+
+  int frames_ = 0;          // in a row
+  std::uint64_t last_ = 0;  // of them
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,157 @@
+// A USB camera whose driver is the test's.
+#include "hal/real/camera_v4l2.h"
+
+#include <linux/videodev2.h>
+
+#include <cerrno>
+#include <climits>
+#include <deque>
+#include <fstream>
+
+#include "hal/real/control_refusals.h"
+#include "hal/sim/virtual_clock.h"
+#include "tests/contracts/expect.h"
+#include "tests/support/answered_ioctl.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hdrcam {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr StreamMode kMode{PixelFormat::Yuyv, 64, 48, milliseconds(33)};
+constexpr std::uint32_t kStride = 2 * 64, kBytes = kStride * 48;
+
+// It fills a queued buffer as soon as it is asked for one, and stamps the begin of the exposure.
+struct UsbDriver {
+  VirtualClock& clock;
+  int refusal = EIO, refusals = 0;  // of the next exposures that are set
+  std::deque<std::uint32_t> queued{};
+  std::uint32_t sequence = 0;
+
+  template <class T>
+  static T& as(void* argument) {
+    return *static_cast<T*>(argument);
+  }
+
+  int operator()(unsigned long request, void* argument) {
+    switch (request) {
+      case VIDIOC_QUERYCAP:
+        as<v4l2_capability>(argument).capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+        return 0;
+      case VIDIOC_ENUM_FMT:
+        as<v4l2_fmtdesc>(argument).pixelformat = V4L2_PIX_FMT_YUYV;
+        return as<v4l2_fmtdesc>(argument).index == 0 ? 0 : EINVAL;
+      case VIDIOC_S_FMT:
+        as<v4l2_format>(argument).fmt.pix.bytesperline = kStride;
+        as<v4l2_format>(argument).fmt.pix.sizeimage = kBytes;
+        return 0;
+      case VIDIOC_REQBUFS:
+      case VIDIOC_STREAMON:
+      case VIDIOC_STREAMOFF:
+        queued.clear();
+        return 0;
+      case VIDIOC_QUERYBUF:
+        as<v4l2_buffer>(argument).length = kBytes;
+        return 0;
+      case VIDIOC_QBUF:
+        queued.push_back(as<v4l2_buffer>(argument).index);
+        return 0;
+      case VIDIOC_DQBUF:
+        return queued.empty() ? EAGAIN : fill(as<v4l2_buffer>(argument));
+      default:
+        return control(request, argument);
+    }
+  }
+
+  int control(unsigned long request, void* argument) {
+    if (request == VIDIOC_S_EXT_CTRLS) return refusals > 0 ? (--refusals, refusal) : 0;
+    if (request == VIDIOC_G_EXT_CTRLS) return as<v4l2_ext_controls>(argument).controls[0].value = 100, 0;
+    if (request == VIDIOC_S_CTRL) return 0;
+    if (request != VIDIOC_QUERY_EXT_CTRL) return ENOTTY;
+    auto& asked = as<v4l2_query_ext_ctrl>(argument);
+    asked.minimum = 1, asked.maximum = 5000, asked.step = 1;
+    return asked.id == V4L2_CID_EXPOSURE_ABSOLUTE ? 0 : EINVAL;
+  }
+
+  int fill(v4l2_buffer& buffer) {
+    clock.sleep_until(clock.now() + kMode.frame_duration);
+    const Duration stamp = clock.now().since_boot - milliseconds(1);
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(stamp);
+    buffer.timestamp.tv_sec = seconds.count();
+    buffer.timestamp.tv_usec = std::chrono::duration_cast<std::chrono::microseconds>(stamp - seconds).count();
+    buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+    buffer.index = queued.front(), buffer.sequence = sequence++, buffer.bytesused = kBytes;
+    queued.pop_front();
+    return 0;
+  }
+};
+
+// Its driver, and the camera with four buffers.
+struct UsbCameraUnderTest {
+  VirtualClock clock;
+  UsbDriver driver{clock};
+  test::AnsweredIoctl kernel{
+      [this](unsigned long request, void* argument) { return driver(request, argument); }};
+  std::unique_ptr<Camera> camera;
+
+  UsbCameraUnderTest() {
+    const std::string node = test::scratch_folder("usb_driver") + "/video0";
+    std::ofstream(node) << std::string(kBytes, '\0');  // what is mapped
+    camera = value_of(open_v4l2_camera(node, {}, clock));
+    value_of(camera->configure(kMode, 4));
+  }
+
+  Result<void> queue_one() { return camera->queue({.exposure = milliseconds(5)}); }
+  void start() {
+    require_done(camera->start());
+    for (int i = 0; i < 4; ++i) require_done(queue_one());
+  }
+  // Whether the exposure of the next frame was late. Its buffer is free again.
+  bool next_is_late() { return value_of(camera->wait(std::chrono::seconds(1))).control_late; }
+};
+
+TEST_CASE("a USB camera that fails one transfer is asked again, and no exposure is late") {
+  UsbCameraUnderTest usb;
+  usb.start();
+  for (int frame = 0; frame < 8; ++frame) {
+    usb.driver.refusals = 1, usb.driver.refusal = frame % 2 == 0 ? EIO : EPIPE;
+    CHECK_FALSE(usb.next_is_late());
+    CHECK(usb.driver.refusals == 0);
+    require_done(usb.queue_one());
+  }
+}
+
+TEST_CASE("the frame whose exposure a USB camera did not take tells it, and the run goes on") {
+  // tries: once its predecessor is complete, and once more when the next request comes
+  for (const auto& [code, tries] : {std::pair{EIO, 6}, {EPIPE, 6}, {EBUSY, 2}, {ETIMEDOUT, 2}}) {
+    CAPTURE(code);
+    UsbCameraUnderTest usb;
+    usb.start();
+    usb.driver.refusal = code, usb.driver.refusals = tries;
+    for (int frame = 0; frame < 6; ++frame) {
+      CHECK(usb.next_is_late() == (frame == 1));
+      require_done(usb.queue_one());
+    }
+  }
+}
+
+TEST_CASE("a USB camera that takes no exposure any more ends the run, and one that never will does at once") {
+  for (const auto& [code, most_frames] : {std::pair{EIO, ControlRefusals::kMostInARow}, {EINVAL, 1}}) {
+    CAPTURE(code);
+    UsbCameraUnderTest usb;
+    usb.start();
+    usb.driver.refusal = code, usb.driver.refusals = INT_MAX;
+    Result<void> queued;
+    int frames = 0;
+    for (; queued.ok() && frames < 100; ++frames) {
+      (void)usb.next_is_late();
+      queued = usb.queue_one();
+    }
+    require_error(queued, code == EIO ? ErrorCode::Io : ErrorCode::Unsupported);
+    CHECK(frames == most_frames);
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
