@@ -178,7 +178,8 @@ class Camera {
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
   // Sets the nearest mode that the camera has and returns it. Unsupported where it has none of this format.
-  // Not while started. A device may have fewer buffers than requested; queue() then returns Busy earlier.
+  // Invalid while started, Busy while a frame is leased. A device may have fewer buffers than requested;
+  // queue() then returns Busy earlier.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
   // One request, one frame. Busy when every buffer has a queued request. Some devices start only when two or

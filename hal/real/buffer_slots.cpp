@@ -14,7 +14,9 @@ Result<std::size_t> BufferSlots::free_one() const {
 
 Result<void> BufferSlots::check_none_leased() const {
   if (std::ranges::find(slots_, State::Leased, &Slot::state) == slots_.end()) return {};
-  return Error{ErrorCode::Busy, fmt::format("a frame of camera '{}' is still being read", id_)};
+  return Error{
+      ErrorCode::Busy,
+      fmt::format("a frame of camera '{}' is still being read; give it back before configuring it", id_)};
 }
 
 bool BufferSlots::any_queued() const {

@@ -96,6 +96,10 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     if (started_)
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is being replayed; stop it before configuring it", path_)};
+    if (std::ranges::find(in_use_, true) != in_use_.end())
+      return Error{
+          ErrorCode::Busy,
+          fmt::format("a frame of '{}' is still being read; give it back before configuring it", path_)};
     if (wanted.format != mode_.format)
       return Error{ErrorCode::Unsupported, fmt::format("'{}' was recorded as {} and cannot be replayed as {}",
                                                        path_, name(mode_.format), name(wanted.format))};

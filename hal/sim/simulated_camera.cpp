@@ -78,6 +78,9 @@ Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buff
     const std::lock_guard lock(mutex_);
     if (started_)
       return Error{ErrorCode::Invalid, "the simulated camera is started; stop it before configuring it"};
+    if (free_.size() < buffers_.size())
+      return Error{ErrorCode::Busy,
+                   "a frame of the simulated camera is still being read; give it back before configuring it"};
   }
   if (std::find(std::begin(kFormats), std::end(kFormats), wanted.format) == std::end(kFormats))
     return Error{ErrorCode::Unsupported,

@@ -80,6 +80,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
    public:
     void reset(std::size_t capacity) { slots_.assign(capacity, T{}), begin_ = size_ = 0; }
     bool empty() const { return size_ == 0; }
+    std::size_t size() const { return size_; }
     void push(const T& item) {
       HDRCAM_CHECK_LT(size_, slots_.size());
       slots_[(begin_ + size_++) % slots_.size()] = item;

@@ -166,6 +166,21 @@ void refuses_out_of_order_calls(const CameraUnderTest& facts) {
   value_of(session.camera->configure(facts.mode, facts.buffers));
 }
 
+void is_not_configured_under_a_reader(const CameraUnderTest& facts) {
+  Session session{facts};
+  require_done(session.camera->start());
+  session.queue_all();
+  {
+    const CapturedBuffer read = session.next();
+    require_done(session.camera->stop());
+    require_error(session.camera->configure(facts.mode, facts.buffers), ErrorCode::Busy);
+  }
+  value_of(session.camera->configure(facts.mode, facts.buffers));
+  require_done(session.camera->start());
+  session.queue_all();
+  for (int i = 0; i < facts.buffers; ++i) session.next();
+}
+
 void refuses_an_impossible_exposure(const CameraUnderTest& facts) {
   Session session{facts};
   if (!session.camera->capabilities().sets_exposure) {
@@ -216,6 +231,7 @@ constexpr Clause kClauses[] = {
     {"ends a wait when another thread stops it", ends_a_wait_by_stop},
     {"times out when nothing was requested", times_out_without_a_request},
     {"refuses calls out of order", refuses_out_of_order_calls},
+    {"is not configured anew while a frame is read", is_not_configured_under_a_reader},
     {"refuses an exposure that it cannot make", refuses_an_impossible_exposure},
     {"does not allocate per frame", does_not_allocate_per_frame},
 };
