@@ -14,12 +14,14 @@ namespace hdrcam {
 namespace {
 
 // Where a camera's pictures are others than those asked for: a driver takes the nearest that it has.
-std::vector<std::string> differences(const Settings::Camera& asked, const CameraFacts& has) {
+std::vector<std::string> differences(const Settings::Camera& asked, const CameraFacts& has,
+                                     const std::string& sizes) {
   constexpr double kSameRate = 0.01;  // 29.97 for 30
   std::vector<std::string> notes;
   if ((asked.width > 0 && asked.width != has.width) || (asked.height > 0 && asked.height != has.height))
-    notes.push_back(fmt::format("'{}' gives pictures of {}x{}, the nearest to --width and --height", has.name,
-                                has.width, has.height));
+    notes.push_back(fmt::format("'{}' gives pictures of {}x{}, the nearest to --width and --height{}",
+                                has.name, has.width, has.height,
+                                sizes.empty() ? "" : "; its sizes in this format: " + sizes));
   if (asked.framerate_hz > 0 && std::abs(has.framerate_hz / asked.framerate_hz - 1) > kSameRate)
     notes.push_back(fmt::format("'{}' gives {:.4g} frames per second, not {:g}", has.name, has.framerate_hz,
                                 asked.framerate_hz));
@@ -75,7 +77,9 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
                                             setup.mains, setup.options));
   source->facts_ = source->capture_->facts();
-  if (!source->replayed_) source->differences_ = differences(settings.camera, source->facts_);
+  if (!source->replayed_)
+    source->differences_ = differences(settings.camera, source->facts_,
+                                       sizes_of(source->camera_->capabilities(), setup.options.mode.format));
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
     recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace,

@@ -41,16 +41,22 @@ std::tuple<bool, int, int, int> rank_of(PixelFormat format) {
   return {colour && codes.linear, colour ? codes.bits : 0, chroma_rank(format), -static_cast<int>(format)};
 }
 
-std::string modes_of(const CameraCapabilities& camera) {
-  std::vector<std::string> texts;
-  for (const StreamMode& mode : camera.modes) {
-    std::string text = fmt::format("{} {}x{}", name(mode.format), mode.width, mode.height);
-    if (std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
-  }
+void add_new(std::string text, std::vector<std::string>& texts) {
+  if (std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
+}
+
+std::string listed(std::vector<std::string> texts) {
   constexpr std::size_t kShown = 12;
   const std::size_t hidden = texts.size() > kShown ? texts.size() - kShown : 0;
   texts.resize(texts.size() - hidden);
   return fmt::format("{}{}", fmt::join(texts, ", "), hidden > 0 ? fmt::format(" and {} more", hidden) : "");
+}
+
+std::string modes_of(const CameraCapabilities& camera) {
+  std::vector<std::string> texts;
+  for (const StreamMode& mode : camera.modes)
+    add_new(fmt::format("{} {}x{}", name(mode.format), mode.width, mode.height), texts);
+  return listed(std::move(texts));
 }
 
 // Smaller is better. Of a size that is set: how far the mode's is from it. Else whether it is larger than
@@ -62,6 +68,12 @@ std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& m
             0};
   const long area = static_cast<long>(mode.width) * mode.height;
   return area <= kUsualArea_px ? std::pair{0L, -area} : std::pair{1L, area};
+}
+
+// True of all modes where no size is set.
+bool has_set_size(const Settings::Camera& wanted, const StreamMode& mode) {
+  return (wanted.width <= 0 || mode.width == wanted.width) &&
+         (wanted.height <= 0 || mode.height == wanted.height);
 }
 
 }  // namespace
@@ -94,6 +106,7 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   }
   const StreamMode* best = nullptr;
   const auto better = [&](const StreamMode& a, const StreamMode& b) {
+    if (has_set_size(wanted, a) != has_set_size(wanted, b)) return has_set_size(wanted, a);
     if (rank_of(a.format) != rank_of(b.format)) return rank_of(a.format) > rank_of(b.format);
     return misfit(wanted, a) < misfit(wanted, b);
   };
@@ -109,6 +122,13 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   mode.frame_duration = wanted.framerate_hz > 0 ? from_seconds(1 / wanted.framerate_hz)
                                                 : std::max(mode.frame_duration, camera.usual_frame_duration);
   return mode;
+}
+
+std::string sizes_of(const CameraCapabilities& camera, PixelFormat format) {
+  std::vector<std::string> texts;
+  for (const StreamMode& mode : camera.modes)
+    if (mode.format == format) add_new(fmt::format("{}x{}", mode.width, mode.height), texts);
+  return texts.size() > 1 ? listed(std::move(texts)) : "";
 }
 
 Result<ControlDelays> parse_delays(std::string_view text) {

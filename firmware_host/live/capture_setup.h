@@ -29,9 +29,11 @@ bool is_replayed(const std::string& id);
 std::string replayed_file(const std::string& id);
 
 // The stream mode for the settings. Default format: the highest bit depth available (raw before processed,
-// more bits before fewer); default size: the largest of up to 640x480. Errors: Unsupported, listing what the
-// camera has.
+// more bits before fewer), of those that have a size that is set, where any has; default size: the largest of
+// up to 640x480. Errors: Unsupported, listing what the camera has.
 Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabilities& camera);
+// "320x240, 640x480"; empty where the camera lists less than two sizes of this format.
+std::string sizes_of(const CameraCapabilities& camera, PixelFormat format);
 
 // Errors: Invalid for a text that is not a duration, cycle or delay, and those of mode_for.
 Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabilities& camera);

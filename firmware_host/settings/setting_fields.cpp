@@ -83,7 +83,7 @@ std::vector<SettingField> camera_fields() {
   return {
       any<kGroup, &C::id>("camera.id", "--camera", "a device, sim:SCENE or replay:FILE", "the only camera"),
       any<kGroup, &C::format>("camera.format", "--format", "pixel format, such as YUYV",
-                              "highest bit depth available"),
+                              "highest bit depth available in a size that is set"),
       number<kGroup, &C::width>("camera.width", "--width", "picture width in pixels", {16, 65535, 0},
                                 "the largest of up to 640x480"),
       number<kGroup, &C::height>("camera.height", "--height", "picture height in pixels", {16, 65535, 0},

@@ -33,7 +33,7 @@ inline constexpr std::string_view kOff = "off";
 struct Settings {
   struct Camera {
     std::string id;             // "": the only camera; a device, "sim:SCENE", "replay:FILE"
-    std::string format;         // "": the highest bit depth available; or a name such as "YUYV"
+    std::string format;         // "": the highest bit depth available in a set size; or a name as "YUYV"
     int width = 0, height = 0;  // pixels; 0: the largest of up to 640x480
     double framerate_hz = 0;    // 0: the camera's default, or 30
     int buffers = 8;            // queued capture requests, 4..32
