@@ -109,12 +109,14 @@ bool CaptureStage::nobody_states_exposures() const {
   return !how.delays && !camera_.capabilities().reports_exposure && how.trigger != TriggerMode::PulseWidth;
 }
 
+int CaptureStage::buffers() const { return camera_.capabilities().buffers.value_or(options_.buffers); }
+
 // Until the first frame of another cycle: the requests before it come first, then its controls take their
 // time.
 int CaptureStage::latency_frames() const {
   const ControlDelays usual{kUsualDelay, kUsualDelay};
   const ControlDelays delays = matching().delays.value_or(usual);
-  return options_.buffers + std::max(delays.exposure, delays.gain);
+  return buffers() + std::max(delays.exposure, delays.gain);
 }
 
 std::string CaptureStage::exposures_account() const {
@@ -141,6 +143,12 @@ void CaptureStage::collect_warnings() {
                     offers.id,
                     all_same(schedule_.cycle()) ? "pictures do not tell it where all have the same"
                                                 : "frames are labelled by their pictures alone"));
+  if (buffers() < options_.buffers)
+    warnings_.push_back(
+        fmt::format("'{}' has memory for {} buffers instead of {} and loses frames sooner while the program "
+                    "is held up; a "
+                    "smaller size may give it more",
+                    offers.id, buffers(), options_.buffers));
   if (black_.unreported())
     warnings_.push_back(fmt::format(
         "the black level of '{}' is unknown and taken for 0 unless its frames state it; if it is higher, "
@@ -164,7 +172,7 @@ Result<void> CaptureStage::start() {
   restart_matching();
   stopped_ = false;
   TRY(camera_.start());
-  TRY(requests_.fill(*matcher_, options_.buffers));
+  TRY(requests_.fill(*matcher_, buffers()));
   return trigger_.start(schedule_);
 }
 

@@ -70,7 +70,8 @@ class CaptureStage {
   const ExposureSchedule& schedule() const { return schedule_; }
   const CaptureCounters& counters() const { return counters_; }
   // Warnings for the user at the start; empty if there are none: an exposure that flickers under lamps, a raw
-  // sensor of unknown black level, a camera whose exposures only the pictures can determine.
+  // sensor of unknown black level, a camera whose exposures only the pictures can determine, or that has few
+  // buffers.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   // Why no frame has an exposure, where neither camera nor pictures can tell one; empty otherwise.
@@ -94,6 +95,7 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   bool nobody_states_exposures() const;
+  int buffers() const;  // of the camera
   int latency_frames() const;
   Duration longest_exposure() const;
   void collect_warnings();

@@ -97,8 +97,11 @@ struct ExposureRequest {
 };
 
 struct CameraCapabilities {
-  std::string id, model, driver;                                // id: what --camera takes
-  std::vector<StreamMode> modes;                                // with the shortest frame duration of each
+  std::string id, model, driver;  // id: what --camera takes
+  std::vector<StreamMode> modes;  // with the shortest frame duration of each
+  // Of the stream, once configured, where the device has its own number: less than asked for, as its memory
+  // allows, or more, as it needs queued to deliver frames at all.
+  std::optional<int> buffers;
   Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
@@ -178,8 +181,8 @@ class Camera {
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
   // Sets the nearest mode that the camera has and returns it. Unsupported where it has none of this format.
-  // Invalid while started, Busy while a frame is leased. A device may have fewer buffers than requested;
-  // queue() then returns Busy earlier.
+  // Invalid while started, Busy while a frame is leased. A device may have another number of buffers than
+  // requested (capabilities().buffers); queue() returns Busy once it has that many.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
   // One request, one frame. Busy when every buffer has a queued request. Some devices start only when two or

@@ -136,6 +136,7 @@ Result<ControlDelays> measure_delays(Camera& camera, const Settings& settings,
   CaptureSetup setup = TRY(capture_setup(settings, capabilities));
   StreamMode& mode = setup.options.mode;
   mode = TRY(camera.configure(mode, setup.options.buffers));
+  setup.options.buffers = capabilities.buffers.value_or(setup.options.buffers);
   const auto schedule =
       TRY(ExposureSchedule::create(setup.cycle, capabilities, mode.frame_duration, setup.mains));
   const int exposure = TRY(exposure_delay(camera, setup.options, schedule, settings.schedule.shutter, stop));

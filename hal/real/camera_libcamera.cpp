@@ -186,6 +186,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
     TRY(make_requests(*stream.stream()));
     slots_.reset(requests_.size());
+    capabilities_.buffers = static_cast<int>(requests_.size());
     return mode_;
   }
 

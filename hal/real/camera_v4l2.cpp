@@ -115,6 +115,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       mode.frame_duration = *fixed;
     control_.describe(capabilities_);
     TRY(stream_.allocate(buffers));
+    capabilities_.buffers = stream_.buffers();
     const bool requests = per_request_ && control_.exists() && stream_.takes_requests();
     capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
     capabilities_.timestamp_mark = stream_.timestamp_mark();

@@ -55,8 +55,11 @@ Result<void> V4l2Stream::allocate(int buffers) {
   v4l2_requestbuffers call{};
   call.type = queue_type_, call.memory = V4L2_MEMORY_MMAP, call.count = static_cast<std::uint32_t>(buffers);
   TRY(video_.demand(VIDIOC_REQBUFS, &call, "provide buffers"));
+  if (buffers > 0 && call.count == 0)
+    return Error{ErrorCode::Io,
+                 fmt::format("'{}' has no memory for a buffer; choose a smaller size", video_.path())};
   if ((call.capabilities & V4L2_BUF_CAP_SUPPORTS_REQUESTS) == 0) media_ = nullptr;
-  buffers_.resize(std::min<std::size_t>(call.count, static_cast<std::size_t>(buffers)));
+  buffers_.resize(std::min<std::size_t>(call.count, VIDEO_MAX_FRAME));
   for (int i = 0; i < static_cast<int>(buffers_.size()); ++i) TRY(map(i));
   return {};
 }

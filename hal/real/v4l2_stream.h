@@ -25,7 +25,8 @@ class V4l2Stream {
   V4l2Stream(const V4l2Stream&) = delete;
   V4l2Stream& operator=(const V4l2Stream&) = delete;
 
-  // Replaces all buffers; not while started. Busy where another program streams.
+  // Replaces all buffers; not while started. A driver may provide fewer, or more, which it then needs queued.
+  // Busy where another program streams.
   Result<void> allocate(int buffers);
   int buffers() const { return static_cast<int>(buffers_.size()); }
   std::span<const std::byte> memory(int index) const {

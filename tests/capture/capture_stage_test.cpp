@@ -561,6 +561,49 @@ TEST_CASE("a stop by another thread while a request is queued is an interruption
   CHECK(stopped.error().code == ErrorCode::Interrupted);
 }
 
+// Has its own number of buffers, whatever is asked for.
+class OwnBuffersCamera : public MisbehavingCamera {
+ public:
+  explicit OwnBuffersCamera(int buffers)
+      : MisbehavingCamera({}, {}), can_(MisbehavingCamera::capabilities()) {
+    can_.buffers = buffers;
+  }
+  const CameraCapabilities& capabilities() const override { return can_; }
+  Result<StreamMode> configure(const StreamMode& wanted, int) override {
+    return MisbehavingCamera::configure(wanted, *can_.buffers);
+  }
+  Result<void> queue(const ExposureRequest& request) override {
+    const Result<void> taken = MisbehavingCamera::queue(request);
+    requests_ += taken.ok();
+    return taken;
+  }
+  int requests() const { return requests_; }
+
+ private:
+  CameraCapabilities can_;
+  int requests_ = 0;
+};
+
+TEST_CASE("all buffers that a camera has are used, and that they are few is told", "[capture]") {
+  CaptureOptions options;
+  options.buffers = 8;
+  for (const int buffers : {3, 8, 10}) {
+    OwnBuffersCamera sensor(buffers);
+    auto opened = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
+    REQUIRE(opened.ok());
+    CaptureStage& stage = **opened;
+    REQUIRE(stage.start().ok());
+    CHECK(sensor.requests() == buffers);
+    const auto& all = stage.warnings();
+    const bool told = std::any_of(all.begin(), all.end(), [](const std::string& warning) {
+      return warning.find("has memory for 3 buffers instead of 8") != std::string::npos;
+    });
+    CHECK(told == (buffers == 3));
+    CapturedFrame frame;
+    for (int i = 0; i < 20; ++i) REQUIRE(stage.next(frame).ok());
+  }
+}
+
 TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {
   MisbehavingCamera sensor({}, {});
   constexpr Exposure kTooLong[] = {{1ms, 1}, {40ms, 1}};

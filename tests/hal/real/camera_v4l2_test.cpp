@@ -25,7 +25,8 @@ constexpr std::uint32_t kStride = 2 * 64, kBytes = kStride * 48;
 // It fills a queued buffer as soon as it is asked for one, and stamps the begin of the exposure.
 struct UsbDriver {
   VirtualClock& clock;
-  int refusal = EIO, refusals = 0;  // of the next exposures that are set
+  int refusal = EIO, refusals = 0;            // of the next exposures that are set
+  std::optional<std::uint32_t> granted = {};  // buffers, whatever is asked for
   std::deque<std::uint32_t> queued{};
   std::uint32_t sequence = 0;
 
@@ -47,6 +48,8 @@ struct UsbDriver {
         as<v4l2_format>(argument).fmt.pix.sizeimage = kBytes;
         return 0;
       case VIDIOC_REQBUFS:
+        if (auto& count = as<v4l2_requestbuffers>(argument).count; count > 0) count = granted.value_or(count);
+        [[fallthrough]];
       case VIDIOC_STREAMON:
       case VIDIOC_STREAMOFF:
         queued.clear();
@@ -99,11 +102,11 @@ struct UsbCameraUnderTest {
     const std::string node = test::scratch_folder("usb_driver") + "/video0";
     std::ofstream(node) << std::string(kBytes, '\0');  // what is mapped
     camera = value_of(open_v4l2_camera(node, {}, clock));
-    value_of(camera->configure(kMode, 4));
   }
 
   Result<void> queue_one() { return camera->queue({.exposure = milliseconds(5)}); }
   void start() {
+    value_of(camera->configure(kMode, 4));
     require_done(camera->start());
     for (int i = 0; i < 4; ++i) require_done(queue_one());
   }
@@ -134,6 +137,27 @@ TEST_CASE("the frame whose exposure a USB camera did not take tells it, and the 
       require_done(usb.queue_one());
     }
   }
+}
+
+TEST_CASE("a camera has as many buffers as its driver grants, fewer or more than asked for") {
+  for (const int granted : {2, 4, 6}) {
+    UsbCameraUnderTest usb;
+    usb.driver.granted = granted;
+    value_of(usb.camera->configure(kMode, 4));
+    CHECK(usb.camera->capabilities().buffers == granted);
+    require_done(usb.camera->start());
+    for (int i = 0; i < granted; ++i) require_done(usb.queue_one());
+    require_error(usb.queue_one(), ErrorCode::Busy);
+    CHECK(usb.driver.queued.size() == static_cast<std::size_t>(granted));
+  }
+}
+
+TEST_CASE("a driver that grants no buffer is told of where the camera is configured") {
+  UsbCameraUnderTest usb;
+  usb.driver.granted = 0;
+  const auto configured = usb.camera->configure(kMode, 4);
+  require_error(configured, ErrorCode::Io);
+  CHECK(configured.error().message.find("no memory for a buffer") != std::string::npos);
 }
 
 TEST_CASE("a USB camera that takes no exposure any more ends the run, and one that never will does at once") {
