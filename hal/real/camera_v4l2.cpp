@@ -1,7 +1,5 @@
 #include "hal/real/camera_v4l2.h"
 
-#include <linux/media-bus-format.h>
-#include <linux/v4l2-subdev.h>
 #include <linux/videodev2.h>
 #include <poll.h>
 
@@ -16,8 +14,8 @@
 #include "hal/real/control_refusals.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/recent_stamp.h"
+#include "hal/real/sensor_path.h"
 #include "hal/real/stream_errors.h"
-#include "hal/real/v4l2_formats.h"
 #include "hal/real/v4l2_modes.h"
 #include "hal/real/v4l2_stream.h"
 
@@ -55,22 +53,6 @@ Result<Nodes> open_nodes(const std::string& path) {
   return nodes;
 }
 
-// Sets the picture's format on every pad between the sensor and the receiver: the receiver starts only if
-// they agree.
-Result<void> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& mode) {
-  if (bus_code_of(mode.format) == 0) return {};
-  for (const SubdevicePad& pad : path) {
-    const auto node = TRY(DeviceNode::open(pad.node));
-    v4l2_subdev_format format{};
-    format.which = V4L2_SUBDEV_FORMAT_ACTIVE, format.pad = pad.index;
-    format.format.width = static_cast<std::uint32_t>(mode.width);
-    format.format.height = static_cast<std::uint32_t>(mode.height);
-    format.format.code = bus_code_of(mode.format), format.format.field = V4L2_FIELD_NONE;
-    TRY(node.demand(VIDIOC_SUBDEV_S_FMT, &format, "take the picture format"));
-  }
-  return {};
-}
-
 // The buffer's flags say "monotonic", or (old drivers) nothing.
 Instant instant_of_stamp(Clock& clock, std::uint32_t buffer_flags, Duration stamp) {
   if ((buffer_flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
@@ -93,6 +75,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     capabilities_.model = nodes_.sensor ? nodes_.graph->sensor_name : nodes_.identity.card;
     capabilities_.driver = nodes_.identity.driver;
     capabilities_.modes = modes_of(nodes_.video, nodes_.identity.queue_type);
+    if (nodes_.identity.media_controlled && nodes_.sensor && !nodes_.graph->path.empty())
+      capabilities_.modes =
+          modes_of_sensor(*nodes_.sensor, nodes_.graph->path.front().index, capabilities_.modes);
     control_.describe(capabilities_);
   }
   ~V4l2Camera() override {
@@ -104,11 +89,11 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
     const std::lock_guard lock(mutex_);
-    TRY(check_configurable(buffers));
+    TRY(check_configurable(wanted, buffers));
     slots_.reset(0);
     TRY(stream_.allocate(0));  // a queue with buffers keeps its format
-    if (nodes_.graph) TRY(set_format_along(nodes_.graph->path, wanted));
-    picture_ = TRY(set_mode(nodes_.video, nodes_.identity.queue_type, wanted));
+    const StreamMode sent = nodes_.graph ? TRY(set_format_along(nodes_.graph->path, wanted)) : wanted;
+    picture_ = TRY(set_mode(nodes_.video, nodes_.identity.queue_type, sent));
     StreamMode& mode = picture_.mode;
     TRY(control_.take_over());
     if (const auto fixed = TRY(control_.fix_frame_duration(mode.width, mode.height, wanted.frame_duration)))
@@ -182,9 +167,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     slots_.free(static_cast<std::size_t>(index));
   }
 
-  Result<void> check_configurable(int buffers) const {
+  Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
     if (started_) return must_stop_to_configure(capabilities_.id);
     TRY(check_buffers(buffers, VIDEO_MAX_FRAME));
+    TRY(check_size(wanted));
     return slots_.check_none_leased();
   }
 
