@@ -62,11 +62,20 @@ Error device_error(int code, const std::string& path, const std::string& doing) 
       return {ErrorCode::Unsupported, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)),
               code};
     case EPIPE:
-      return {ErrorCode::Invalid,
-              fmt::format("'{}' cannot {}: the formats along its media pipeline do not match; "
-                          "set them with 'media-ctl' or use the camera through libcamera",
-                          path, doing),
-              code};
+      return {
+          ErrorCode::Invalid,
+          fmt::format("'{}' cannot {}: the formats along its media pipeline do not match (set them with "
+                      "'media-ctl', or use the camera through libcamera), or a USB camera stalled (plug it "
+                      "in again)",
+                      path, doing),
+          code};
+    case ENOSPC:
+      return {
+          ErrorCode::Io,
+          fmt::format("'{}' cannot {}: the USB bus has no bandwidth left for it; choose a smaller size, a "
+                      "lower frame rate or MJPEG, or plug it into another bus",
+                      path, doing),
+          code};
     default:
       return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
   }
@@ -91,12 +100,13 @@ std::vector<std::string> device_nodes(std::string_view beginning) {
 
 std::string holder_of(const std::string& path) {
   std::error_code ignored;
+  const fs::path canonical = fs::canonical(path, ignored);  // of a link like those of /dev/v4l/by-id
   const std::string own = std::to_string(::getpid());
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {
     const std::string pid = process.path().filename();
     if (pid == own || pid.find_first_not_of("0123456789") != std::string::npos) continue;
     for (const auto& file : fs::directory_iterator(process.path() / "fd", ignored)) {
-      if (fs::read_symlink(file, ignored) != path) continue;
+      if (canonical.empty() || fs::read_symlink(file, ignored) != canonical) continue;
       std::string program;
       std::getline(std::ifstream(process.path() / "comm"), program);
       return fmt::format("'{}' (process {})", program, pid);

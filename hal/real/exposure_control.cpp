@@ -137,7 +137,7 @@ Result<void> ExposureControl::take_over() {
 void ExposureControl::give_back() {
   for (const Found& found : found_) {
     v4l2_control control{found.id, found.value};
-    (void)node_->ask(VIDIOC_S_CTRL, &control);
+    (void)ask_again(*node_, VIDIOC_S_CTRL, &control);
   }
   found_.clear();
 }

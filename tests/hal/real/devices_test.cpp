@@ -112,13 +112,11 @@ TEST_CASE(
 }
 
 TEST_CASE("every errno of a device becomes a code and a sentence with its name") {
-  const std::pair<int, ErrorCode> kinds[] = {{ENOENT, ErrorCode::NotFound},
-                                             {EACCES, ErrorCode::Permission},
-                                             {EBUSY, ErrorCode::Busy},
-                                             {ENODEV, ErrorCode::Unplugged},
-                                             {EINVAL, ErrorCode::Unsupported},
-                                             {EPIPE, ErrorCode::Invalid},
-                                             {EIO, ErrorCode::Io}};
+  const std::pair<int, ErrorCode> kinds[] = {
+      {ENOENT, ErrorCode::NotFound},    {EACCES, ErrorCode::Permission},
+      {EBUSY, ErrorCode::Busy},         {ENODEV, ErrorCode::Unplugged},
+      {EINVAL, ErrorCode::Unsupported}, {EPIPE, ErrorCode::Invalid},
+      {ENOSPC, ErrorCode::Io},          {EIO, ErrorCode::Io}};
   for (const auto& [code, kind] : kinds) {
     const Error error = device_error(code, "/dev/video5", "start its stream");
     INFO(error.message);
@@ -126,6 +124,12 @@ TEST_CASE("every errno of a device becomes a code and a sentence with its name")
     CHECK(error.message.find("/dev/video5") != std::string::npos);
     CHECK(error.sys_errno == code);
   }
+}
+
+TEST_CASE("a USB bus that has no room for a stream is not told of as a full disk") {
+  const Error error = device_error(ENOSPC, "/dev/video5", "start its stream");
+  CHECK_THAT(error.message, Catch::StartsWith("'/dev/video5' cannot start its stream: the USB bus has no "
+                                              "bandwidth left for it; choose a smaller size"));
 }
 
 TEST_CASE("who holds a busy device is another program, or unknown, and never this one") {
@@ -139,6 +143,8 @@ TEST_CASE("who holds a busy device is another program, or unknown, and never thi
   REQUIRE(other != nullptr);
   std::string holder;
   CHECK(test::becomes_true([&] { return !(holder = holder_of(node)).empty(); }));
+  std::filesystem::create_symlink(node, node + "-by-id");
+  CHECK(holder_of(node + "-by-id") == holder);
   ::pclose(other);
   CHECK_THAT(holder,
              Catch::Contains("(process ") && !Catch::Contains(fmt::format("(process {})", ::getpid())));

@@ -108,6 +108,24 @@ TEST_CASE("a sensor does what it is asked for, and gets back the exposure, the g
   CHECK(driver.values == before);
 }
 
+TEST_CASE("a camera whose transfers fail once each gets its controls back all the same") {
+  SensorDriver driver;
+  const auto before = driver.values;
+  int calls = 0;
+  const test::AnsweredIoctl kernel([&](unsigned long request, void* argument) {
+    const bool sets = request == VIDIOC_S_CTRL || request == VIDIOC_S_EXT_CTRLS;
+    return sets && ++calls % 2 == 1 ? EPIPE : driver(request, argument);
+  });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  ExposureControl control = ExposureControl::of_sensor(sensor, "imx219 10-0010");
+  require_done(control.take_over());
+  REQUIRE(value_of(control.fix_frame_duration(kWidth, kHeight, std::chrono::milliseconds(20))).has_value());
+  require_done(control.write({.exposure = std::chrono::milliseconds(5), .analogue_gain = 2}));
+  CHECK(driver.values != before);
+  control.give_back();
+  CHECK(driver.values == before);
+}
+
 TEST_CASE(
     "the frame duration of a sensor whose blanking has steps is that of the step that its driver took") {
   SensorDriver driver;
