@@ -180,9 +180,9 @@ class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
-  // Sets the nearest mode that the camera has and returns it. Unsupported where it has none of this format.
-  // Invalid while started, Busy while a frame is leased. A device may have another number of buffers than
-  // requested (capabilities().buffers); queue() returns Busy once it has that many.
+  // Sets the nearest mode that the camera has and returns it: of a flipped sensor, in another Bayer order.
+  // Unsupported where it has none of this format; Invalid while started, Busy while a frame is leased. Of
+  // another number of buffers than requested (capabilities().buffers) queue() returns Busy at that one.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
   // One request, one frame. Busy when every buffer has a queued request. Some devices start only when two or

@@ -62,6 +62,14 @@ PixelPacking packing_of(PixelFormat format) {
   return {};
 }
 
+bool alike_but_for_order(PixelFormat a, PixelFormat b) {
+  const PixelPacking of_a = packing_of(a), of_b = packing_of(b);
+  const auto is_bayer = [](const PixelPacking& of) {
+    return of.layout != PixelLayout::Rgb && of.layout != PixelLayout::Mono;
+  };
+  return is_bayer(of_a) && is_bayer(of_b) && of_a.packing == of_b.packing && of_a.bits == of_b.bits;
+}
+
 std::size_t row_bytes(Packing packing, int width) {
   const auto pixels = static_cast<std::size_t>(width);
   switch (packing) {

@@ -18,6 +18,9 @@ struct PixelPacking {
   int bits = 8;                           // of a code
 };
 PixelPacking packing_of(PixelFormat format);
+// Whether both are Bayer formats that differ in nothing but the order of their colours, which a sensor that
+// is flipped changes.
+bool alike_but_for_order(PixelFormat a, PixelFormat b);
 
 // Bytes of a row of the first plane.
 std::size_t row_bytes(Packing packing, int width);

@@ -32,6 +32,7 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 #include <span>
 #include <utility>
 
+#include "hal/pixel_format_table.h"
 #include "hal/pixel_pack.h"
 #include "hal/real/buffer_slots.h"
 #include "hal/real/completed_frames.h"
@@ -133,6 +134,12 @@ CameraCapabilities capabilities_of(lc::Camera& camera) {
   return capabilities;
 }
 
+// A sensor that is mounted upside down is flipped by libcamera, and lists the order of its colours as if it
+// were not: the official cameras of the Raspberry Pi list RGGB and send BGGR.
+bool stands_for(PixelFormat taken, PixelFormat wanted) {
+  return taken == wanted || alike_but_for_order(taken, wanted);
+}
+
 // From libcamera's skew, the time between the exposures of the first row and the last one.
 Duration readout_of(Duration skew, int rows, Duration frame_duration) {
   const Duration possible = std::clamp(skew, Duration(0), frame_duration);
@@ -172,17 +179,18 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     stream.pixelFormat = libcamera_format_of(wanted.format);
     stream.size = {static_cast<unsigned>(wanted.width), static_cast<unsigned>(wanted.height)};
     stream.bufferCount = static_cast<unsigned>(buffers);
-    if (configuration->validate() == lc::CameraConfiguration::Invalid ||
-        stream.pixelFormat != libcamera_format_of(wanted.format))
-      return does_not_offer(wanted.format);
+    if (configuration->validate() == lc::CameraConfiguration::Invalid) return does_not_offer(wanted.format);
+    const auto taken = format_of(stream.pixelFormat);
+    if (!taken || !stands_for(*taken, wanted.format)) return does_not_offer(wanted.format);
     if (const int code = camera_->configure(configuration.get()); code != 0)
       return libcamera_error(code, capabilities_.id, "take the picture format");
     describe_exposure(*camera_, capabilities_);  // the Raspberry Pi's limits are those of the sensor's mode
     mode_ = wanted;
+    mode_.format = *taken;
     mode_.width = static_cast<int>(stream.size.width), mode_.height = static_cast<int>(stream.size.height);
     mode_.frame_duration = constant_frame_duration(wanted.frame_duration);
     yuv_ = stream.colorSpace ? coding_of(*stream.colorSpace) : YuvCoding();
-    stride_ = wanted.format == PixelFormat::Mjpeg ? 0 : stream.stride;
+    stride_ = mode_.format == PixelFormat::Mjpeg ? 0 : stream.stride;
     buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
     TRY(make_requests(*stream.stream()));
     slots_.reset(requests_.size());
