@@ -12,8 +12,9 @@ namespace hdrcam {
 namespace {
 
 // A frame that takes no time, or endless time, is one of which the driver knows nothing.
+bool is_stated(const v4l2_fract& seconds) { return seconds.numerator != 0 && seconds.denominator != 0; }
 Duration duration_of(const v4l2_fract& seconds) {
-  if (seconds.numerator == 0 || seconds.denominator == 0) return kUsualFrameDuration;
+  if (!is_stated(seconds)) return kUsualFrameDuration;
   return Duration(static_cast<Duration::rep>(1e9 * seconds.numerator / seconds.denominator + 0.5));
 }
 
@@ -120,16 +121,18 @@ void write_format(const StreamMode& mode, v4l2_format& format) {
   pix.field = V4L2_FIELD_NONE;
 }
 
+// Returns the one that the driver then states; `wanted` where it states none.
 Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, Duration wanted) {
   v4l2_streamparm parameters{};
   parameters.type = queue_type;
   auto& capture = parameters.parm.capture;
-  if (video.ask(VIDIOC_G_PARM, &parameters) != 0 || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
-    return wanted;
+  if (video.ask(VIDIOC_G_PARM, &parameters) != 0) return wanted;
+  const Duration before = is_stated(capture.timeperframe) ? duration_of(capture.timeperframe) : wanted;
+  if ((capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) return before;
   capture.timeperframe.numerator = static_cast<std::uint32_t>((wanted.count() + 50) / 100);
   capture.timeperframe.denominator = 10'000'000;
-  if (video.ask(VIDIOC_S_PARM, &parameters) != 0 || capture.timeperframe.numerator == 0) return wanted;
-  return duration_of(capture.timeperframe);
+  if (video.ask(VIDIOC_S_PARM, &parameters) != 0) return before;
+  return is_stated(capture.timeperframe) ? duration_of(capture.timeperframe) : wanted;
 }
 
 }  // namespace

@@ -99,6 +99,33 @@ TEST_CASE("a whole picture is what its rows need, however the driver pads its bu
   }
 }
 
+TEST_CASE("a frame duration that the driver does not take is the one that it has") {
+  const DeviceNode video = node();
+  struct Driver {
+    std::uint32_t can, frames_per_second;  // 0: it does not say
+    int answer;                            // to one that is set
+    int milliseconds;
+  };
+  constexpr std::uint32_t kSets = V4L2_CAP_TIMEPERFRAME;
+  const Driver kDrivers[] = {
+      {kSets, 50, 0, 40}, {kSets, 50, EIO, 20}, {0, 50, 0, 20}, {0, 0, 0, 40}, {kSets, 0, EINVAL, 40}};
+  for (const Driver& has : kDrivers) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request == VIDIOC_S_FMT) return 0;
+      if (request == VIDIOC_S_PARM) return has.answer;
+      if (request != VIDIOC_G_PARM) return EINVAL;
+      auto& capture = static_cast<v4l2_streamparm*>(argument)->parm.capture;
+      capture.capability = has.can;
+      if (has.frames_per_second > 0) capture.timeperframe = {1, has.frames_per_second};
+      return 0;
+    });
+    CAPTURE(has.can, has.frames_per_second, has.answer);
+    const auto picture = value_of(set_mode(video, V4L2_BUF_TYPE_VIDEO_CAPTURE,
+                                           {PixelFormat::Yuyv, 640, 480, std::chrono::milliseconds(40)}));
+    CHECK(picture.mode.frame_duration == std::chrono::milliseconds(has.milliseconds));
+  }
+}
+
 TEST_CASE("matrix and range of YUV are what the driver reports, or what its colour space stands for") {
   const DeviceNode video = node();
   struct Report {
