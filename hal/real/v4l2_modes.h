@@ -18,7 +18,7 @@ struct V4l2Identity {
 Result<V4l2Identity> identify(const DeviceNode& video);
 
 // All modes in the supported formats, each with its shortest frame duration (33.3 ms where the driver reports
-// none).
+// none). Of sizes that have no list but a range: the usual one, and the largest.
 std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type);
 
 struct V4l2Picture {

@@ -58,6 +58,28 @@ TEST_CASE("a driver that lists no sizes is asked for the one that it has, of its
   }
 }
 
+TEST_CASE("a driver that scales offers the usual size, where it has it, and its largest") {
+  const DeviceNode video = node();
+  const auto sizes_of = [&](const v4l2_frmsize_stepwise& range) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request != VIDIOC_ENUM_FRAMESIZES) return list_one(request, argument, PixelFormat::Nv12);
+      auto& listed = *static_cast<v4l2_frmsizeenum*>(argument);
+      listed.type = V4L2_FRMSIZE_TYPE_STEPWISE, listed.stepwise = range;
+      return listed.index > 0 ? EINVAL : 0;
+    });
+    std::string sizes;
+    for (const StreamMode& mode : modes_of(video, V4L2_BUF_TYPE_VIDEO_CAPTURE))
+      sizes += fmt::format(" {}x{}", mode.width, mode.height);
+    return sizes;
+  };
+  CHECK(sizes_of({64, 4056, 2, 64, 3040, 2}) == " 640x480 4056x3040");
+  CHECK(sizes_of({64, 4056, 0, 64, 3040, 0}) == " 640x480 4056x3040");
+  CHECK(sizes_of({32, 4064, 32, 24, 3000, 24}) == " 640x480 4064x3000");
+  CHECK(sizes_of({100, 4100, 64, 64, 3040, 2}) == " 4100x3040");
+  CHECK(sizes_of({16, 640, 1, 16, 480, 1}) == " 640x480");
+  CHECK(sizes_of({16, 320, 1, 16, 240, 1}) == " 320x240");
+}
+
 TEST_CASE("a driver that knows no frame interval has the usual one") {
   const DeviceNode video = node();
   for (const v4l2_fract& interval : {v4l2_fract{0, 30}, v4l2_fract{0, 0}, v4l2_fract{1, 0}}) {
