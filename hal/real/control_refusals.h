@@ -14,7 +14,8 @@ namespace hdrcam {
 
 class ControlRefusals {
  public:
-  static constexpr int kMostInARow = 30;  // frames
+  static constexpr int kMostInARow = 30;       // frames
+  static constexpr int kFramesOfTimeout = 10;  // one counts for so many: it takes seconds
 
   void restart() { *this = {}; }
 
@@ -22,12 +23,12 @@ class ControlRefusals {
   // or went on for too many frames.
   Result<void> answered(std::uint64_t frame, const Result<void>& wrote) {
     if (wrote) return frames_ = 0, wrote;
-    if (!may_pass(wrote.error().sys_errno)) return wrote;
-    if (frames_ == 0 || frame != last_) ++frames_, last_ = frame;
+    const int code = wrote.error().sys_errno;
+    if (!may_pass(code)) return wrote;
+    if (frames_ == 0 || frame != last_) frames_ += code == ETIMEDOUT ? kFramesOfTimeout : 1, last_ = frame;
     if (frames_ < kMostInARow) return {};
     Error error = wrote.error();
-    error.message += fmt::format(", for {} frames in a row; plug the camera in again, or check its cable",
-                                 int{kMostInARow});
+    error.message += ", again and again; plug the camera in again, or check its cable";
     return error;
   }
 

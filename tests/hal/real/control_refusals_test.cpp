@@ -18,15 +18,21 @@ TEST_CASE("exposures that a device does not take end a run only after many frame
     require_done(refusals.answered(++frame, {}));
   }
   for (int i = 1; i < ControlRefusals::kMostInARow; ++i)
-    require_done(refusals.answered(++frame, refusal(ETIMEDOUT)));
-  const Result<void> last = refusals.answered(++frame, refusal(ETIMEDOUT));
+    require_done(refusals.answered(++frame, refusal(EBUSY)));
+  const Result<void> last = refusals.answered(++frame, refusal(EBUSY));
   require_error(last, ErrorCode::Io);
-  CHECK(
-      last.error().message ==
-      "'/dev/video5' refused to set its exposure, for 30 frames in a row; plug the camera in again, or check "
-      "its cable");
+  CHECK(last.error().message ==
+        "'/dev/video5' refused to set its exposure, again and again; plug the camera in again, or check its "
+        "cable");
   refusals.restart();
-  require_done(refusals.answered(++frame, refusal(ETIMEDOUT)));
+  require_done(refusals.answered(++frame, refusal(EBUSY)));
+}
+
+TEST_CASE("a device that lets every exposure time out ends a run before that takes minutes") {
+  ControlRefusals refusals;
+  for (const std::uint64_t frame : {1U, 1U, 2U, 2U})
+    require_done(refusals.answered(frame, refusal(ETIMEDOUT)));
+  require_error(refusals.answered(3, refusal(ETIMEDOUT)), ErrorCode::Io);
 }
 
 TEST_CASE("an exposure that a device will never take ends a run at once") {
