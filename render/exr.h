@@ -48,7 +48,7 @@ struct Chromaticities {
 // The standard attributes of OpenEXR ("Standard Optional Attributes"), each written only where it is known.
 struct ExrAttributes {
   std::optional<double> exposure_s;  // expTime
-  // framesPerSecond, nominal (hal/video/nominal_rate.h)
+  // framesPerSecond, nominal (hal/recording/nominal_rate.h)
   std::optional<double> framerate_hz;
   std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
   std::optional<Chromaticities> chromaticities;  // chromaticities

@@ -7,7 +7,7 @@
 #include <ImfTimeCode.h>
 
 #include "hal/core/geometry.h"
-#include "hal/video/nominal_rate.h"
+#include "hal/recording/nominal_rate.h"
 
 namespace hdrcam {
 namespace {

@@ -11,6 +11,7 @@ extern "C" {
 #include "hal/core/sound_facts.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/matroska.h"
+#include "hal/recording/nominal_rate.h"
 #include "hal/recording/picture_codec.h"
 #include "hal/recording/recording.h"
 #include "hal/recording/storage_stream.h"
@@ -119,7 +120,8 @@ void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
   if (encoder_.codec() == RecordingCodec::Huffyuv)
     track->codecpar->extradata_size += track->codecpar->extradata_size % 2;
   track->time_base = kMilliseconds;
-  track->avg_frame_rate = av_d2q(camera.framerate_hz, 1 << 20);
+  const NominalRate rate = nominal_rate(camera.framerate_hz);
+  track->avg_frame_rate = {rate.numerator, rate.denominator};
   track->disposition = AV_DISPOSITION_DEFAULT;
 }
 

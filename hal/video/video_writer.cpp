@@ -14,7 +14,7 @@ extern "C" {
 #include <utility>
 
 #include "hal/core/file_extension.h"
-#include "hal/video/nominal_rate.h"
+#include "hal/recording/nominal_rate.h"
 
 namespace hdrcam {
 namespace {

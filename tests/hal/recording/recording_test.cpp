@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "hal/fault/faulty_storage.h"
 #include "tests/hal/recording/sample_recordings.h"
@@ -127,6 +128,25 @@ TEST_CASE("frames within a millisecond have time stamps of their own, by which o
   REQUIRE(times_ms.size() >= frames.size());
   times_ms.resize(frames.size());
   CHECK(times_ms == std::vector<int>{0, 1, 2, 3, 4, 9});
+}
+
+TEST_CASE("players are told the interval of the nominal frame rate: 29.97 is 30000 / 1001") {
+  const std::string path = sample::scratch_folder("players_rate") + "/x.mkv";
+  CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
+  for (const auto& [hz, nominal_hz] :
+       {std::pair(29.97, 30000 / 1001.0), {23.976, 24000 / 1001.0}, {59.94, 60000 / 1001.0}, {25.0, 25.0}}) {
+    CAPTURE(hz);
+    camera.framerate_hz = hz;
+    require_done(sample::record(posix_storage(), path, camera, sample::frames(camera, 1, 5)));
+    const std::string bytes = test::text_of(path);
+    const std::size_t at = bytes.find("\x23\xe3\x83");  // DefaultDuration
+    REQUIRE(at != std::string::npos);
+    std::uint64_t interval_ns = 0;
+    for (std::size_t i = 0, size = static_cast<std::uint8_t>(bytes[at + 3]) & 0x7fu; i < size; ++i)
+      interval_ns = interval_ns << 8 | static_cast<std::uint8_t>(bytes[at + 4 + i]);
+    CHECK(static_cast<double>(interval_ns) == Approx(1e9 / nominal_hz).epsilon(0).margin(1));
+    CHECK(sample::same_bits(value_of(open_recording(posix_storage(), path))->camera().framerate_hz, hz));
+  }
 }
 
 TEST_CASE("facts that are odd come back as they were") {

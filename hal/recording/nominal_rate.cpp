@@ -1,4 +1,4 @@
-#include "hal/video/nominal_rate.h"
+#include "hal/recording/nominal_rate.h"
 
 extern "C" {
 #include <libavutil/rational.h>

@@ -1,6 +1,6 @@
 // The rate that a camera or a user means, as the fraction that files state: intervals are rounded, and 29.97
-// stands for 30000 / 1001 (SMPTE ST 12-1). One conversion, so that a video and the OpenEXR files of one clip
-// state the same rate. Reentrant.
+// stands for 30000 / 1001 (SMPTE ST 12-1). One conversion, so that a recording, its video and its OpenEXR
+// files state the same rate. Reentrant.
 #pragma once
 
 namespace hdrcam {

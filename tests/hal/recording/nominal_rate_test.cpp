@@ -1,4 +1,4 @@
-#include "hal/video/nominal_rate.h"
+#include "hal/recording/nominal_rate.h"
 
 #include <limits>
 #include <utility>
