@@ -27,6 +27,12 @@ ColorTags tags_of(VideoTransfer transfer) {
           h273::kMatrixBt2020Ncl};
 }
 
+// Where the samples of halved chroma are: of BT.2020 and BT.2100 at the first luma sample of each four, of
+// BT.709 by custom between it and the one below.
+ChromaSite chroma_site_of(VideoTransfer transfer) {
+  return transfer == VideoTransfer::Sdr ? ChromaSite::Left : ChromaSite::TopLeft;
+}
+
 VideoCodec codec_of(const VideoOptions& options) {
   switch (options.codec) {
     case CodecChoice::Hevc:
@@ -51,6 +57,7 @@ class HdrVideo : public FrameSink {
            FrameLight holds = FrameLight::Radiance)
       : target_(std::move(target)), format_(format), options_(options), holds_(holds) {
     format_.tags = tags_of(options.transfer);
+    format_.chroma_site = chroma_site_of(options.transfer);
     format_.crf = options.crf;
     if (options.transfer == VideoTransfer::Pq) format_.mastering.emplace().peak_nits = options.peak_nits;
   }

@@ -56,6 +56,31 @@ const char* encoder_name(const VideoFormat& format) {
   return "";
 }
 
+AVChromaLocation location_of(ChromaSite site) {
+  switch (site) {
+    case ChromaSite::Left:
+      return AVCHROMA_LOC_LEFT;
+    case ChromaSite::Center:
+      return AVCHROMA_LOC_CENTER;
+    case ChromaSite::TopLeft:
+      return AVCHROMA_LOC_TOPLEFT;
+  }
+  return AVCHROMA_LOC_UNSPECIFIED;
+}
+
+// The same in the words of libaom, to which FFmpeg does not pass it on; AV1 has none for the centre.
+const char* aom_name(ChromaSite site) {
+  switch (site) {
+    case ChromaSite::Left:
+      return "vertical";
+    case ChromaSite::TopLeft:
+      return "colocated";
+    case ChromaSite::Center:
+      break;
+  }
+  return "unknown";
+}
+
 bool is_mp4(VideoContainer container) {
   return container == VideoContainer::Mp4 || container == VideoContainer::Mov;
 }
@@ -78,7 +103,7 @@ void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
     set("cpu-used", "8");
     set("lag-in-frames", "0");
     set("row-mt", "1");
-    set("aom-params", "chroma-sample-position=vertical");  // left, which FFmpeg does not pass on
+    set("aom-params", fmt::format("chroma-sample-position={}", aom_name(format.chroma_site)));
     encoder.thread_count = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
     return;
   }
@@ -107,6 +132,7 @@ PictureFormat VideoFormat::picture() const {
           .colors = PictureColors::Yuv,
           .chroma_shift_x = 1,
           .chroma_shift_y = 1,
+          .chroma_site = chroma_site,
           .range = CodeRange::Limited,
           .tags = tags};
 }
@@ -145,7 +171,7 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
   encoder.color_trc = static_cast<AVColorTransferCharacteristic>(format.tags.transfer);
   encoder.colorspace = static_cast<AVColorSpace>(format.tags.matrix);
   encoder.color_range = AVCOL_RANGE_MPEG;
-  encoder.chroma_sample_location = AVCHROMA_LOC_LEFT;
+  encoder.chroma_sample_location = location_of(format.chroma_site);
   encoder.field_order = AV_FIELD_PROGRESSIVE;
   if (muxer_->oformat->flags & AVFMT_GLOBALHEADER) encoder.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   set_codec_options(format, encoder);

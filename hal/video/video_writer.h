@@ -38,7 +38,8 @@ struct VideoFormat {
   VideoCodec codec = VideoCodec::Hevc;
   VideoContainer container = VideoContainer::Mp4;
   ColorTags tags = {};
-  int crf = 16;  // constant rate factor, 0..51 (AV1: 0..63); less is better
+  ChromaSite chroma_site = ChromaSite::Left;  // of the planes to fill, and as stream and container state it
+  int crf = 16;                               // constant rate factor, 0..51 (AV1: 0..63); less is better
   std::optional<MasteringDisplay> mastering = {};
 
   int coded_width_px() const { return (width_px + 1) & ~1; }

@@ -120,7 +120,7 @@ TEST_CASE("an HDR10 file says what it is, in the container and in the stream, an
     CHECK(video.transfer == "smpte2084");
     CHECK(video.matrix == "bt2020nc");
     CHECK(video.range == "tv");
-    CHECK(video.siting == "left");
+    CHECK(video.siting == "topleft");
     REQUIRE(video.frames.size() == 12);
     const auto& in_stream = video.frames.front();
     REQUIRE(in_stream.mastering);
@@ -210,6 +210,7 @@ TEST_CASE("HLG puts white at three quarters of the signal") {
   const DecodedVideo video = made(folder + "/x.mp4", 2, {.transfer = VideoTransfer::Hlg});
   CHECK(video.transfer == "arib-std-b67");
   CHECK(video.primaries == "bt2020");
+  CHECK(video.siting == "topleft");
   CHECK_FALSE(video.light);
   CHECK(std::abs(at_patch(video.frames[0].luma, 5) - (64 + 876 * 3 / 4)) <= 1);
 }
@@ -222,6 +223,7 @@ TEST_CASE("SDR is H.264 of eight bits, with the tone curve of the previews") {
   CHECK(video.primaries == "bt709");
   CHECK(video.transfer == "bt709");
   CHECK(video.matrix == "bt709");
+  CHECK(video.siting == "left");
   ToneAdaptation tone;
   const HdrFrame frame = wedge(0);
   const ToneCurve& curve = tone.follow(frame.radiance);
@@ -239,7 +241,7 @@ TEST_CASE("AV1 says the same of itself as HEVC") {
   CHECK(video.codec == "av1");
   CHECK(video.transfer == "smpte2084");
   CHECK(video.range == "tv");
-  CHECK(video.siting == "left");
+  CHECK(video.siting == "topleft");
   REQUIRE(video.frames.size() == 4);
   REQUIRE(video.light);
   CHECK(video.light->MaxCLL == 792);
@@ -279,6 +281,35 @@ TEST_CASE("a pipe gets the codes themselves, ten bits, with or without times") {
         CHECK(at_patch(frame.luma, patch) ==
               pq_code(203 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)])));
     }
+  }
+}
+
+TEST_CASE("chroma of HDR is at the top left of four pixels, of SDR in the middle of the left two") {
+  const std::string folder = sample::scratch_folder("chroma_site");
+  constexpr int kRow = 16, kCol = 32;  // of a red cross; a chroma sample has the top left of 2x2 pixels
+  HdrFrame cross = wedge(0);
+  cross.radiance.fill(0.05f);
+  for (int x = 0; x < cross.radiance.cols(); ++x) cross.radiance.at(0, kRow, x) = 1;
+  for (int y = 0; y < cross.radiance.rows(); ++y) cross.radiance.at(0, y, kCol) = 1;
+  for (const VideoTransfer transfer : {VideoTransfer::Pq, VideoTransfer::Hlg, VideoTransfer::Sdr}) {
+    const std::string path = folder + "/" + std::to_string(static_cast<int>(transfer)) + ".nut";
+    CAPTURE(path);
+    auto sink =
+        create_video_pipe(posix_storage().create(path).value(), kFramerate_hz, {.transfer = transfer});
+    REQUIRE(sink.ok());
+    REQUIRE(test::emit(**sink, cross).ok());
+    REQUIRE(sink.value()->finish().ok());
+    const DecodedVideo video = test::decoded_video(path);
+    REQUIRE(video.frames.size() == 1);
+    const auto across_row = [&](int rows) { return int{video.frames[0].cr.at(0, kRow / 2 + rows, 4)}; };
+    const auto across_col = [&](int cols) { return int{video.frames[0].cr.at(0, 4, kCol / 2 + cols)}; };
+    CHECK(across_col(0) > across_col(1) + 4);
+    CHECK(std::abs(across_col(-1) - across_col(1)) <= 1);
+    CHECK(across_row(0) > across_row(-1) + 4);
+    if (transfer == VideoTransfer::Sdr)  // the row is nearer to the sample above than to the one below
+      CHECK(across_row(-1) > across_row(1) + 2);
+    else
+      CHECK(std::abs(across_row(-1) - across_row(1)) <= 1);
   }
 }
 
