@@ -6,16 +6,19 @@
 
 #include <atomic>
 #include <cerrno>
+#include <string>
 
 #include "firmware_host/log_format.h"
+#include "firmware_host/printable.h"
 
 namespace hdrcam {
 namespace {
 
 std::atomic<int> lost_results_errno{0};
 
-// False where a part of the text did not get out.
-bool write_to(std::FILE* stream, std::string_view text) {
+// False where a part of the text did not get out. Names of files are in it, too.
+bool write_to(std::FILE* stream, std::string_view lines) {
+  const std::string text = printable_lines(lines);
   errno = 0;
   const bool taken = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
   return std::fflush(stream) == 0 && taken;

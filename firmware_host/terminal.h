@@ -1,7 +1,7 @@
 // What the program tells a person. Results go to the standard output, remarks and the status line to the
 // standard error stream. Neither ever ends a run: a closed pipe, a lost session or a full disk behind one of
 // them costs the words, not the recording. Lost results are remembered, so that the program can end with an
-// error. Thread-safe.
+// error. Control characters in names are shown as numbers (printable.h). Thread-safe.
 #pragma once
 
 #include <fmt/format.h>

@@ -57,5 +57,14 @@ TEST_CASE("results that the standard output does not take are an error in a sent
   CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("; the files are complete"));
 }
 
+TEST_CASE("a name that would move the cursor or turn the direction of text is shown with numbers") {
+  const std::string folder = sample::scratch_folder("terminal_names"), words = folder + "/words";
+  const std::string line = "'" HDRCAM_BINARY "' export '" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv' -o '" +
+                           folder + "/a\x1b[31m\u202eb' >'" + words + "' 2>&1";
+  REQUIRE(std::system(line.c_str()) == 0);
+  const std::string told = value_of(read_whole(posix_storage(), words));
+  CHECK_THAT(told, Catch::Contains("/a\\u001B[31m\\u202Eb: ") && !Catch::Contains("\x1b"));
+}
+
 }  // namespace
 }  // namespace hdrcam
