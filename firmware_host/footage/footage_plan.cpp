@@ -51,15 +51,24 @@ void take_stated_cycle(FootagePlan& plan) {
   }
 }
 
-// Apertures are factors beside the first frame's.
-void take_stated(const FootageScan& seen, FootagePlan& plan) {
-  const double first = seen.facts.front().digital_gain;
+// With lost_before of the walk: the numbers of the frames, and which of them come after a loss.
+void count_missing(FootagePlan& plan) {
   std::uint64_t lost = 0;
   for (std::size_t i = 0; i < plan.facts.size(); ++i) {
-    plan.facts[i].digital_gain /= first;
-    if (i > 0) lost += static_cast<std::uint64_t>(seen.steps[0][i - 1].missing);
+    lost += static_cast<std::uint64_t>(plan.walk.lost_before[i]);
     plan.facts[i].sequence += lost;
+    if (plan.walk.lost_before[i] > 0) plan.facts[i].flags |= kFrameAfterDrop;
   }
+}
+
+// Apertures are factors beside the first frame's. Stills lose nothing, but a video of motion JPEG, whose
+// pictures state their exposures as stills do, has times that tell.
+void take_stated(const FootageScan& seen, FootagePlan& plan) {
+  const double first = seen.facts.front().digital_gain;
+  for (FrameFacts& facts : plan.facts) facts.digital_gain /= first;
+  plan.walk.lost_before.resize(plan.facts.size());
+  for (std::size_t i = 1; i < plan.facts.size(); ++i) plan.walk.lost_before[i] = seen.steps[0][i - 1].missing;
+  count_missing(plan);
   take_stated_cycle(plan);
 }
 
@@ -74,7 +83,6 @@ Duration unseen_gap(const FootagePlan& plan, std::size_t at, Instant before) {
 }
 
 void take_walk(FootagePlan& plan) {
-  std::uint64_t lost = 0;
   Duration later{};  // by gaps so far
   Instant before;    // as the file has it
   for (std::size_t i = 0; i < plan.facts.size(); ++i) {
@@ -84,15 +92,13 @@ void take_walk(FootagePlan& plan) {
     facts.timestamp.since_boot += later;
     const int slot = plan.walk.slots[i];
     const Exposure& exposure = plan.cycle[static_cast<std::size_t>(slot)];
-    lost += static_cast<std::uint64_t>(plan.walk.lost_before[i]);
-    facts.sequence += lost;
-    if (plan.walk.lost_before[i] > 0) facts.flags |= kFrameAfterDrop;
     facts.exposure_s = to_seconds(exposure.time);
     facts.analogue_gain = exposure.gain, facts.digital_gain = 1;
     facts.slot = slot;
     facts.exposure_source =
         plan.origin == ExposureOrigin::Cycle ? ExposureSource::Declared : ExposureSource::Estimated;
   }
+  count_missing(plan);
 }
 
 class PlannedFootage : public RecordingReader {

@@ -51,6 +51,34 @@ FootagePlan plan_of_matroska(const std::string& name, const std::vector<double>&
   return std::move(plan).value();
 }
 
+// Frames of the scene as motion JPEG in Matroska, 40 ms each, whose pictures state their exposures in EXIF.
+void write_motion_jpeg(const std::string& path, const std::vector<int>& frames) {
+  AVFormatContext* muxer = nullptr;
+  REQUIRE(avformat_alloc_output_context2(&muxer, nullptr, "matroska", path.c_str()) >= 0);
+  AVStream* const track = avformat_new_stream(muxer, nullptr);
+  track->codecpar->codec_type = AVMEDIA_TYPE_VIDEO, track->codecpar->codec_id = AV_CODEC_ID_MJPEG;
+  track->codecpar->width = test::scene().cols, track->codecpar->height = test::scene().rows;
+  track->time_base = {1, 1000}, track->avg_frame_rate = {25, 1};
+  REQUIRE(avio_open(&muxer->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0);
+  REQUIRE(avformat_write_header(muxer, nullptr) >= 0);
+  const libav::Packet packet(av_packet_alloc());
+  for (const int i : frames) {
+    const double time_s = test::scene().exposures_s[static_cast<std::size_t>(i) % 3];
+    const test::Exif exif{static_cast<std::uint32_t>(std::lround(time_s * 1000)), 1000, 100, 80};
+    test::write_jpeg(path + ".jpg", test::scene().frame(i).codes, exif);
+    const std::string bytes = read_whole(posix_storage(), path + ".jpg").value();
+    REQUIRE(av_new_packet(packet.get(), static_cast<int>(bytes.size())) >= 0);
+    std::ranges::copy(bytes, packet->data);
+    packet->pts = packet->dts = av_rescale_q(40 * i, {1, 1000}, track->time_base);
+    packet->flags |= AV_PKT_FLAG_KEY;
+    REQUIRE(av_write_frame(muxer, packet.get()) >= 0);
+    av_packet_unref(packet.get());
+  }
+  REQUIRE(av_write_trailer(muxer) >= 0);
+  avio_closep(&muxer->pb);
+  avformat_free_context(muxer);
+}
+
 }  // namespace
 
 TEST_CASE("stills come at the times that EXIF states, brackets close together and pauses between them") {
@@ -190,6 +218,20 @@ TEST_CASE("of frames that are missing, only those that the times do not show mak
     CHECK(plan.value().facts[i].sequence == static_cast<std::uint64_t>(frames[i]));
     CHECK(plan.value().facts[i].timestamp.seconds() == Approx(frames[i] / 30.).margin(2e-3));
   }
+}
+
+TEST_CASE("of motion JPEG that states its exposures, what its times lack is told, counted and flagged") {
+  const std::string folder = sample::scratch_folder("import_motion_jpeg"), out = folder + "/out.mkv";
+  const std::vector<int> frames = filmed(0, 12, {4});
+  write_motion_jpeg(folder + "/x.mkv", frames);
+  const test::Ran imported = test::ran({"import", folder + "/x.mkv", "-o", out});
+  INFO(imported.output);
+  REQUIRE(imported.exit_code == 0);
+  CHECK_THAT(imported.output, Contains("1 frame is missing, before frame 4"));
+  check_labels(out, frames);
+  const auto replayed = sample::replay(posix_storage(), out);
+  for (std::size_t i = 0; i < replayed.frames.size(); ++i)
+    CHECK(((replayed.frames[i].facts.flags & kFrameAfterDrop) != 0) == (i == 4));
 }
 
 TEST_CASE("a pause of years is a loss of very many frames") {
