@@ -103,7 +103,7 @@ class FootageFiles : public FootageReader {
     camera_.width = ahead_.codes.cols(), camera_.height = ahead_.codes.rows();
     camera_.bits = file_->facts().bits, camera_.layout = file_->facts().layout;
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
-    camera_.linear = file_->facts().linear;
+    camera_.linear = file_->facts().linear, white_ = file_->facts().white;
     camera_.white_balance = file_->facts().white_balance;
     about_ = file_->facts().format, primaries_ = file_->facts().primaries;
     turned_ = file_->facts().turned;
@@ -179,7 +179,8 @@ class FootageFiles : public FootageReader {
         if (next_file_ == files_.size()) return false;
         const std::string& path = files_[next_file_++];
         TRY(check_not_empty(path));
-        file_ = TRY(is_raw_still(path) ? open_raw_still(storage_, path) : VideoFile::open(storage_, path));
+        file_ = TRY(is_raw_still(path) ? open_raw_still(storage_, path, white_)
+                                       : VideoFile::open(storage_, path));
         begin_ = last_ ? *last_ + period() : Instant{};
       }
       if (TRY(file_->next(frame))) break;
@@ -224,6 +225,7 @@ class FootageFiles : public FootageReader {
   const std::vector<std::string> files_;
   const double stills_hz_;
   CameraFacts camera_;
+  int white_ = 0;  // of the first file, by which all are stretched
   std::string about_, primaries_;
   std::string model_, first_of_model_;  // of the camera, and the file that stated it; "": none yet
   std::size_t next_file_ = 0;

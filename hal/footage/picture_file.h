@@ -17,13 +17,14 @@ struct PictureFileFacts {
   int bits = 8;
   PixelLayout layout = PixelLayout::Rgb;
   bool linear = false;
-  std::string format;                              // "h264, yuv420p"
-  bool still = false;                              // a file of one picture
-  double framerate_hz = 0;                         // 0 of a still, and of a video that states none
-  bool timed = false;                              // it says when each frame is, not a rate alone
-  std::string model = {};                          // "Canon EOS R5", as EXIF states it; "": it does not
-  std::string primaries = {};                      // other than BT.709's, "bt2020"; "": none are stated
-  bool turned = false;                             // for display, as it states; not applied
+  int white = 0;               // the file's code from which on all is clipped; 0: the largest
+  std::string format;          // "h264, yuv420p"
+  bool still = false;          // a file of one picture
+  double framerate_hz = 0;     // 0 of a still, and of a video that states none
+  bool timed = false;          // it says when each frame is, not a rate alone
+  std::string model = {};      // "Canon EOS R5", as EXIF states it; "": it does not
+  std::string primaries = {};  // other than BT.709's, "bt2020"; "": none are stated
+  bool turned = false;         // for display, as it states; not applied
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

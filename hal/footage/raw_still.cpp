@@ -115,6 +115,29 @@ unsigned white_of(const libraw_colordata_t& color) {
   return stated >= kFewestCodes && std::has_single_bit(stated) ? stated - 1 : stated;
 }
 
+// The codes of a sensor as those of so many bits: the white level of the clip becomes the largest code. Never
+// narrower, so that no two codes become one. What this file states as clipped is clipped.
+class CodeStretch {
+ public:
+  // own_white: of this file.
+  CodeStretch(unsigned white, unsigned own_white, int bits)
+      : largest_((1u << bits) - 1),
+        by_(static_cast<double>(largest_) / std::max(1u, white)),
+        codes_(1u << 16) {
+    for (unsigned code = 0; code < codes_.size(); ++code)
+      codes_[code] = static_cast<std::uint16_t>(
+          code >= own_white ? largest_ : std::min<long>(std::lround(code * by_), largest_));
+  }
+
+  std::uint16_t code(ushort of_file) const { return codes_[of_file]; }
+  double level(double of_file) const { return of_file * by_; }
+
+ private:
+  long largest_;
+  double by_;
+  std::vector<std::uint16_t> codes_;
+};
+
 // Whether the picture that the file states is more than its raw data holds.
 bool reaches_beyond(const libraw_image_sizes_t& sizes) {
   return sizes.left_margin + sizes.width > sizes.raw_width ||
@@ -172,7 +195,8 @@ class RawStill : public PictureFile {
   std::optional<ExifTime> taken() const override { return taken_; }
   ExifFactors factors() const override { return factors_; }
 
-  Result<void> develop(LibRaw& raw, const ExifExtras& extras, const std::string& path) {
+  // clip_white: the white level of the clip; 0: that of this file.
+  Result<void> develop(LibRaw& raw, const ExifExtras& extras, const std::string& path, int clip_white) {
     const auto layout = layout_of(raw);
     const auto& sizes = raw.imgdata.sizes;
     const ushort* const codes = raw.imgdata.rawdata.raw_image;
@@ -193,25 +217,26 @@ class RawStill : public PictureFile {
     facts_.turned = sizes.flip != 0;
     facts_.model = fmt::format("{} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
     facts_.format = "raw of " + facts_.model;
-    const auto largest = static_cast<std::uint16_t>((1u << facts_.bits) - 1);
+    facts_.white = static_cast<int>(white);
+    const CodeStretch stretch(clip_white > 0 ? static_cast<unsigned>(clip_white) : white, white, facts_.bits);
     frame_.codes = Image<std::uint16_t>(1, sizes.height, sizes.width);
     const std::size_t pitch = sizes.raw_pitch / sizeof(ushort);
     for (int y = 0; y < sizes.height; ++y) {
       const ushort* const row =
           codes + static_cast<std::size_t>(y + sizes.top_margin) * pitch + sizes.left_margin;
       std::transform(row, row + sizes.width, frame_.codes.row(0, y),
-                     [&](ushort code) { return code >= white ? largest : static_cast<std::uint16_t>(code); });
+                     [&stretch](ushort code) { return stretch.code(code); });
     }
     facts_.white_balance = white_balance_of(raw.imgdata.color);
     taken_ = exif_time(extras.date_time, extras.sub_second, extras.offset);
-    add_facts(raw, extras);
+    frame_.facts.black_level = BlackLevel::of_code(stretch.level(black_of(raw.imgdata)), facts_.bits);
+    add_exposure(raw, extras);
     return {};
   }
 
  private:
-  void add_facts(const LibRaw& raw, const ExifExtras& extras) {
+  void add_exposure(const LibRaw& raw, const ExifExtras& extras) {
     FrameFacts& facts = frame_.facts;
-    facts.black_level = BlackLevel::of_code(black_of(raw.imgdata), facts_.bits);
     facts.exposure_source = ExposureSource::Unknown;
     const libraw_imgother_t& other = raw.imgdata.other;
     if (!(other.shutter > 0) || extras.endless) return;
@@ -240,7 +265,8 @@ bool is_raw_still(const std::string& path) {
   return std::ranges::find(kExtensions, lower_extension(path)) != std::end(kExtensions);
 }
 
-Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path) {
+Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path,
+                                                    int clip_white) {
   std::string bytes = TRY(read_whole(storage, path));
   const auto raw = std::make_unique<LibRaw>();  // some hundred kilobytes
   ExifExtras extras;
@@ -272,7 +298,7 @@ Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std:
   if (const int code = raw->unpack(); code != LIBRAW_SUCCESS) return damaged(libraw_strerror(code));
   if (raw->error_count() > 0) return damaged("its raw data do not decode");
   auto still = std::make_unique<RawStill>();
-  TRY(still->develop(*raw, extras, path));
+  TRY(still->develop(*raw, extras, path, clip_white));
   return std::unique_ptr<PictureFile>(std::move(still));
 }
 

@@ -1,6 +1,7 @@
 // Raw stills, read back from DNG files that are written here.
 #include "hal/footage/raw_still.h"
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <vector>
@@ -18,6 +19,12 @@ using Catch::Contains;
 namespace {
 
 std::uint16_t code_at(int y, int x) { return static_cast<std::uint16_t>((y * 71 + x * 53) % 4096); }
+
+// The code that is read of a code of twelve bits with this white level.
+int stretched(int code, int white = static_cast<int>(test::DngStill{}.white)) {
+  return code >= white ? 4095 : static_cast<int>(std::lround(code * 4095.0 / white));
+}
+int stretched_at(int y, int x) { return stretched(code_at(y, x)); }
 
 }  // namespace
 
@@ -44,11 +51,10 @@ TEST_CASE("a raw still is the mosaic of its sensor, linear, with black level and
     REQUIRE(footage.value()->next(frame).value());
     int wrong = 0;
     for (int y = 0; y < still.rows; ++y)
-      for (int x = 0; x < still.cols; ++x)
-        wrong += frame.codes.at(0, y, x) != (code_at(y, x) >= 4000 ? 4095 : code_at(y, x)) ? 1 : 0;
+      for (int x = 0; x < still.cols; ++x) wrong += frame.codes.at(0, y, x) != stretched_at(y, x) ? 1 : 0;
     CHECK(wrong == 0);
     REQUIRE(frame.facts.black_level);
-    CHECK(frame.facts.black_level->code(12) == Approx(256));
+    CHECK(frame.facts.black_level->code(12) == Approx(256 * 4095 / 4000.0));
     CHECK(frame.facts.exposure_source == ExposureSource::Embedded);
     CHECK(frame.facts.exposure_s == Approx(0.004));
     CHECK(frame.facts.analogue_gain == Approx(4));
@@ -69,6 +75,52 @@ TEST_CASE("a white level of 4096 is that of codes of twelve bits, of which the l
   CHECK(frame.codes.at(0, 0, 1) == 4094);
 }
 
+TEST_CASE(
+    "the white level of a raw still becomes the largest code, and each code below it a code of its own") {
+  const std::string folder = sample::scratch_folder("raw_still_stretched");
+  test::DngStill still;
+  still.rows = still.cols = 64;
+  still.code_at = [](int y, int x) { return static_cast<std::uint16_t>(64 * y + x); };
+  for (const std::uint32_t white : {2100u, 3880u, 4094u}) {
+    CAPTURE(white);
+    still.white = white;
+    auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/x.dng", still)}, 0);
+    REQUIRE(footage.ok());
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    int alike = 0;
+    for (unsigned code = 1; code <= white; ++code)
+      alike += frame.codes.samples()[code] <= frame.codes.samples()[code - 1] ? 1 : 0;
+    CHECK(alike == 0);
+    CHECK(frame.codes.samples()[white] == 4095);
+    CHECK(frame.codes.samples()[4095] == 4095);
+    CHECK(frame.codes.samples()[white / 2] == Approx(2047.5).margin(1.5));
+  }
+}
+
+TEST_CASE("all raw stills of a clip are stretched alike, and each is clipped where it says") {
+  const std::string folder = sample::scratch_folder("raw_still_whites");
+  std::vector<std::string> files;
+  for (const std::uint32_t white : {3900u, 4000u, 3000u}) {
+    test::DngStill still;
+    still.white = white;
+    still.code_at = [](int, int x) { return static_cast<std::uint16_t>(2000 + 32 * x); };
+    files.push_back(test::write_dng(fmt::format("{}/{}.dng", folder, white), still));
+  }
+  auto footage = open_footage(posix_storage(), files, 0);
+  REQUIRE(footage.ok());
+  for (const int white : {3900, 4000, 3000}) {
+    CAPTURE(white);
+    RawFrame frame;
+    REQUIRE(footage.value()->next(frame).value());
+    for (const int x : {0, 20, 32, 58, 60}) {
+      const int code = 2000 + 32 * x;
+      CHECK(frame.codes.at(0, 5, x) == (code >= white ? 4095 : stretched(code, 3900)));
+    }
+    CHECK(frame.facts.black_level->code(12) == Approx(256 * 4095 / 3900.0));
+  }
+}
+
 TEST_CASE("the black level of a raw still keeps the fractions that its file states") {
   test::DngStill still;
   still.black_tenths = {2566, 2567, 2568, 2567}, still.code_at = code_at;
@@ -78,7 +130,7 @@ TEST_CASE("the black level of a raw still keeps the fractions that its file stat
   RawFrame frame;
   REQUIRE(footage.value()->next(frame).value());
   REQUIRE(frame.facts.black_level);
-  CHECK(frame.facts.black_level->code(12) == Approx(256.7).margin(1e-3));
+  CHECK(frame.facts.black_level->code(12) == Approx(256.7 * 4095 / 4000).margin(1e-3));
 }
 
 TEST_CASE("a raw still's sensitivity beyond 65535 is the one that EXIF states beside it") {
@@ -152,7 +204,7 @@ TEST_CASE("a raw still that states its orientation is turned, and its mosaic sta
     RawFrame frame;
     REQUIRE(footage.value()->next(frame).value());
     CHECK(frame.codes.cols() == still.cols);
-    CHECK(frame.codes.at(0, 3, 5) == code_at(3, 5));
+    CHECK(frame.codes.at(0, 3, 5) == stretched_at(3, 5));
   }
 }
 
@@ -180,7 +232,7 @@ TEST_CASE("a raw still whose picture reaches beyond its raw data is damaged") {
   CHECK(footage.value()->camera().height == 56);
   RawFrame frame;
   REQUIRE(footage.value()->next(frame).value());
-  CHECK(frame.codes.at(0, 0, 0) == code_at(8, 4));
+  CHECK(frame.codes.at(0, 0, 0) == stretched_at(8, 4));
   for (const std::vector<std::uint32_t>& area :
        {std::vector<std::uint32_t>{32, 32, 96, 96}, {0, 32, 64, 96}}) {
     still.active_area = area;
@@ -206,8 +258,8 @@ TEST_CASE("a DNG in tiles comes as its mosaic, or is refused where LibRaw mixes 
     REQUIRE(footage.ok());  // one tile is the picture
     RawFrame frame;
     REQUIRE(footage.value()->next(frame).value());
-    CHECK(frame.codes.at(0, 3, 5) == code_at(3, 5));
-    CHECK(frame.codes.at(0, 50, 61) == code_at(50, 61));
+    CHECK(frame.codes.at(0, 3, 5) == stretched_at(3, 5));
+    CHECK(frame.codes.at(0, 50, 61) == stretched_at(50, 61));
   }
 }
 
@@ -228,7 +280,7 @@ TEST_CASE("a raw still of which a part is missing or does not decode is damaged,
     REQUIRE(footage.ok());
     RawFrame frame;
     REQUIRE(footage.value()->next(frame).value());
-    CHECK(frame.codes.at(0, 50, 61) == code_at(50, 61));
+    CHECK(frame.codes.at(0, 50, 61) == stretched_at(50, 61));
     const std::size_t last_part = whole.rfind("\xff\xd8\xff\xc3");  // begins there
     for (const std::size_t size : {last_part, last_part + 20}) {
       const Error cut = refusal(whole.substr(0, size));
