@@ -352,7 +352,8 @@ Result<FactsRecord> MatroskaReader::proved(const FoundCluster& found) const {
 }
 
 // Whether frames follow that come before the one of this number: its bytes were copied to an earlier place.
-// As many frames are looked at as it would leave out, so that a gap costs no more than the frames lost in it.
+// As many frames are looked at as it would leave out, so that a gap costs no more than the frames lost in it:
+// a longer run of bytes that were copied over others has covered those itself.
 Result<bool> MatroskaReader::stands_too_early(std::uint64_t index) const {
   ClusterScan ahead = *scan_;
   for (std::uint64_t looked_at = frames_; looked_at < index;) {
