@@ -188,7 +188,9 @@ void add_simulate(CommandLine program, Verb& chosen) {
   verb.add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
       .check(names_folder);
   verb.add_option("--frames", flags->frames, "frames to film").show_default().in_range(1, 1'000'000);
-  verb.add_option("--format", flags->format, "pixel format: rgb or bayer").show_default();
+  verb.add_option("--format", flags->format, "pixel format: rgb or bayer")
+      .show_default()
+      .type_name("rgb|bayer");
   verb.add_option("--bits", flags->bits, "bits per sample [8 for rgb, 12 for bayer]").in_range(8, 16);
   flags->kept.add_to(verb);
   verb.add_switch("--list", flags->list, "print the scenes, their settings and the effects");

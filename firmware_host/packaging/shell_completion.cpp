@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <string_view>
 
@@ -88,6 +89,18 @@ std::string bash_value(const std::string& verb, const FlagEntry& flag) {
   return fmt::format("    {}) {} ;;\n", patterns, act);
 }
 
+// What zsh's _arguments offers of these words. A word that goes on, such as "NAME=", gets no blank.
+std::string zsh_words(const std::vector<std::string>& words) {
+  std::vector<std::string> whole = words;
+  const auto goes_on = [](const std::string& word) { return word.ends_with('=') || word.ends_with(':'); };
+  const auto first = std::stable_partition(whole.begin(), whole.end(), std::not_fn(goes_on));
+  const std::vector<std::string> begun(first, whole.end());
+  whole.erase(first, whole.end());
+  if (begun.empty()) return fmt::format("({})", fmt::join(whole, " "));
+  const std::string closed = whole.empty() ? "" : fmt::format("compadd - {}; ", fmt::join(whole, " "));
+  return fmt::format("{{{}compadd -S \"\" - {}}}", closed, fmt::join(begun, " "));
+}
+
 // "'[about]:value:(words)'" of zsh's _arguments, behind the names.
 std::string zsh_value(const FlagEntry& flag) {
   const std::string about = with_escaped(flag.about, "[]:\\");
@@ -95,8 +108,7 @@ std::string zsh_value(const FlagEntry& flag) {
   if (flag.kind == ValueKind::None) return spec;
   const std::string value = with_escaped(flag.value, ":\\");
   if (flag.kind == ValueKind::Word)
-    return spec +
-           fmt::format(":{}:({})", value, with_escaped(fmt::format("{}", fmt::join(flag.words, " ")), ":"));
+    return spec + fmt::format(":{}:{}", value, with_escaped(zsh_words(flag.words), ":"));
   return spec + fmt::format(":{}:{}", value, flag.kind == ValueKind::Text ? "_files" : "");
 }
 
@@ -120,9 +132,8 @@ std::string zsh_offer(const std::vector<FlagEntry>& flags, const std::vector<Fla
     const std::string both = fmt::format("{}", fmt::join(flag.names, " "));
     const std::string repeat = flag.repeated ? "*" : fmt::format("({})", both);
     for (const std::string& name : flag.names) {
-      const bool long_name = name.starts_with("--") && flag.kind != ValueKind::None;
-      offer +=
-          fmt::format(" \\\n        {}", in_quotes(repeat + name + (long_name ? "=" : "") + zsh_value(flag)));
+      const char* attached = flag.kind == ValueKind::None ? "" : name.starts_with("--") ? "=" : "+";
+      offer += fmt::format(" \\\n        {}", in_quotes(repeat + name + attached + zsh_value(flag)));
     }
   }
   return offer + zsh_arguments(arguments);
@@ -191,7 +202,7 @@ _hdrcam() {{
   case "$verb $before" in
 {}    *)
       case "$verb" in
-{}        help) words='{}' ;;
+{}        help) [ "$COMP_CWORD" -gt 2 ] || words='{}' ;;
       esac
       [[ $current != -* ]] || words=$flags ;;
   esac
@@ -225,7 +236,7 @@ _hdrcam() {{
   shift words
   (( CURRENT-- ))
   case $words[1] in
-{}    help) _values topic {} ;;
+{}    help) _arguments '1:topic:({})' ;;
   esac
 }}
 if [ "$funcstack[1]" = _hdrcam ]; then _hdrcam "$@"; else compdef _hdrcam hdrcam; fi
@@ -238,8 +249,11 @@ std::string fish_completion(const CommandTable& table) {
       "# Completion of hdrcam for fish; 'hdrcam completion fish' wrote it.\n"
       "complete -c hdrcam -n __fish_use_subcommand -f\n"
       "complete -c hdrcam -n __fish_use_subcommand -a help -d 'explain a verb'\n";
-  text += fmt::format("complete -c hdrcam -n '__fish_seen_subcommand_from help' -f -a '{}'\n",
-                      fmt::join(help_topics(table), " "));
+  text += fmt::format(
+      "complete -c hdrcam -n '__fish_seen_subcommand_from help' -f\n"
+      "complete -c hdrcam -n '__fish_seen_subcommand_from help; and test (count (commandline -opc)) -eq 2' "
+      "-a '{}'\n",
+      fmt::join(help_topics(table), " "));
   for (const FlagEntry& flag : table.flags) text += fish_flag("__fish_use_subcommand", flag);
   for (const VerbEntry& verb : table.verbs) {
     text += fmt::format("complete -c hdrcam -n __fish_use_subcommand -a {} -d {}\n", verb.name,
@@ -247,6 +261,7 @@ std::string fish_completion(const CommandTable& table) {
     // `help replay` names a verb, but takes none of its flags.
     const std::string here =
         fmt::format("__fish_seen_subcommand_from {}; and not __fish_seen_subcommand_from help", verb.name);
+    if (verb.arguments.empty()) text += fmt::format("complete -c hdrcam -n {} -f\n", in_quotes(here));
     for (const FlagEntry& flag : verb.flags) text += fish_flag(here + fish_unless_others(verb, flag), flag);
     for (const FlagEntry& argument : verb.arguments)
       if (!argument.words.empty())

@@ -11,7 +11,10 @@
 #include <sstream>
 
 #include "online/knobs.h"
+#include "tests/support/not_tested.h"
 #include "tests/support/ran_here.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/shell.h"
 
 #include <catch2/catch.hpp>
 
@@ -115,10 +118,11 @@ TEST_CASE("zsh and fish offer a flag of 'bench pareto' not behind 'bench kernels
 }
 
 TEST_CASE("bash offers the words of a flag, however the value is attached, and nothing that does not fit") {
-  const auto offered = offered_by_bash(
-      {"hdrcam replay --preset ''", "hdrcam replay --preset = b", "hdrcam replay walk.mkv --em",
-       "hdrcam replay -o ''", "hdrcam completion ''", "hdrcam calibrate ''", "hdrcam bench ''",
-       "hdrcam help exi", "hdrcam replay --set st", "hdrcam live --backend vul"});
+  const auto offered =
+      offered_by_bash({"hdrcam replay --preset ''", "hdrcam replay --preset = b",
+                       "hdrcam replay walk.mkv --em", "hdrcam replay -o ''", "hdrcam completion ''",
+                       "hdrcam calibrate ''", "hdrcam bench ''", "hdrcam help exi", "hdrcam help replay exi",
+                       "hdrcam replay --set st", "hdrcam live --backend vul", "hdrcam simulate --format ''"});
   CHECK(offered.at("hdrcam replay --preset ''") == Words{"balanced", "best", "fast", "realtime"});
   CHECK(offered.at("hdrcam replay --preset = b") == Words{"balanced", "best"});
   CHECK(offered.at("hdrcam replay walk.mkv --em") == Words{"--emit"});
@@ -127,8 +131,48 @@ TEST_CASE("bash offers the words of a flag, however the value is attached, and n
   CHECK(offered.at("hdrcam calibrate ''") == Words{"delay"});
   CHECK(offered.at("hdrcam bench ''") == Words{"kernels", "pareto"});
   CHECK(offered.at("hdrcam help exi") == Words{"exit-codes"});
+  CHECK_FALSE(offered.contains("hdrcam help replay exi"));
+  CHECK(offered.at("hdrcam simulate --format ''") == Words{"bayer", "rgb"});
   CHECK(offered.at("hdrcam replay --set st").contains("steps="));
   CHECK(offered.at("hdrcam live --backend vul") == Words{"vulkan", "vulkan:"});
+}
+
+TEST_CASE("fish offers verbs, flags, words and files, each where it fits") {
+  if (test::shell("command -v fish").exit_code != 0) {
+    NOT_TESTED("fish is not installed");
+    return;
+  }
+  const std::string folder = test::scratch_folder("completion_fish"), script = folder + "/script.fish";
+  std::ofstream(folder + "/walk.mkv") << "";
+  const std::vector<std::pair<std::string, std::string>> asked{
+      {"hdrcam re", "record render repair replay"},
+      {"hdrcam help re", "record render repair replay"},
+      {"hdrcam help replay re", ""},
+      {"hdrcam replay --pre", "--preset --preview"},
+      {"hdrcam replay --preset ", "balanced best fast realtime"},
+      {"hdrcam replay --preset=f", "--preset=fast"},
+      {"hdrcam replay w", "walk.mkv"},
+      {"hdrcam replay -o w", "walk.mkv"},
+      {"hdrcam simulate --format ", "bayer rgb"},
+      {"hdrcam bench kernels --p", ""},
+      {"hdrcam list w", ""},
+      {"hdrcam list --config w", "walk.mkv"}};
+  {
+    std::ofstream file(script);
+    file << fish_completion(product()) << "cd '" << folder << "'\n";
+    for (const auto& [line, words] : asked)
+      file << "echo (complete -C '" << line << "' | string split -f1 \\t | sort)\n";
+  }
+  const test::Ran ran = test::shell("fish --no-config '" + script + "'");
+  INFO(ran.output);
+  REQUIRE(ran.exit_code == 0);
+  std::istringstream answers(ran.output);
+  for (const auto& [line, words] : asked) {
+    std::string answer;
+    std::getline(answers, answer);
+    CAPTURE(line);
+    CHECK(answer == words);
+  }
 }
 
 TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
@@ -149,7 +193,7 @@ TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
     for (const FlagEntry& flag : verb.flags)
       for (const std::string& name : flag.names) {
         const bool word = name.starts_with("--");
-        if (lacks(in_zsh, name + "[") && lacks(in_zsh, name + "=["))
+        if (lacks(in_zsh, name + "[") && lacks(in_zsh, name + (word ? "=[" : "+[")))
           missing += verb.name + name + " in zsh\n";
         if (lacks(in_fish, (word ? " -l " + name.substr(2) : " -s " + name.substr(1)) + " "))
           missing += verb.name + name + " in fish\n";
@@ -159,6 +203,10 @@ TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
   CHECK_THAT(zsh, Catch::Contains(":(realtime fast balanced best)'"));
   for (const char* repeated : {"'*--set=[", "'*--point=["}) CHECK_THAT(zsh, Catch::Contains(repeated));
   CHECK_THAT(zsh, Catch::Contains("'(--preset)--preset=["));
+  CHECK_THAT(zsh, Catch::Contains("'(-o --output)-o+["));  // -oFILE, too
+  // Of a word that goes on without a blank, which zsh would put behind it.
+  CHECK_THAT(zsh, Catch::Contains("NAME=VALUE:{compadd -S \"\" - "));
+  CHECK_THAT(zsh, Catch::Contains(":{compadd - cpu vulkan; compadd -S \"\" - vulkan\\:}'"));
   CHECK_THAT(fish, Catch::Contains("-l preset -x -a 'realtime fast balanced best'"));
 }
 
