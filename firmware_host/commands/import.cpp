@@ -233,11 +233,18 @@ void warn_of_phase(const FootagePlan& plan) {
         "be wrong by one factor, so import more frames\n");
 }
 
-// In which order the stills of a folder come, where it is not the one that their names suggest.
+// In which order the files come, where it is not the one that their names suggest.
 void tell_order(const FootagePlan& plan) {
   if (plan.goes_round)
-    remark("note: '{}' is the first frame, as EXIF says: the numbers of the files begin anew on the way\n",
-           plan.files.front());
+    return remark(
+        "note: '{}' is the first frame, as EXIF says: the numbers of the files begin anew on the way\n",
+        plan.files.front());
+  const auto turn = std::ranges::adjacent_find(plan.files, is_earlier_number);
+  if (turn != plan.files.end())
+    remark(
+        "note: '{}' comes before '{}', as the files are named; import their folder to have them in the order "
+        "of their numbers\n",
+        *turn, *std::next(turn));
 }
 
 // What the files state for display and nothing applies.

@@ -156,6 +156,9 @@ Result<FootageScan> scan_in_order(Storage& storage, const FootageRequest& reques
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
                                  const std::atomic<bool>& stop) {
   FootagePlan plan;
+  const bool estimate = request.shutter == kAutoShutter;
+  if (!request.shutter.empty() && !estimate)  // before all frames are read
+    plan.cycle = TRY(parse_exposures(request.shutter, request.gain));
   FootageScan seen = TRY(scan_in_order(storage, request, stop, plan));
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   plan.times = TRY(take_times(seen, request.framerate_hz));
@@ -172,10 +175,8 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
     take_stated(seen, plan);
     return plan;
   }
-  const bool estimate = request.shutter == kAutoShutter;
   plan.origin = estimate ? ExposureOrigin::Estimated : ExposureOrigin::Cycle;
-  plan.cycle =
-      estimate ? TRY(estimate_cycle(seen.steps)) : TRY(parse_exposures(request.shutter, request.gain));
+  if (estimate) plan.cycle = TRY(estimate_cycle(seen.steps));
   auto walk = find_walk(seen.steps[0], plan.cycle);
   if (!walk && estimate)  // what was estimated is no cycle that the user knows of
     return Error{ErrorCode::BadExposure,

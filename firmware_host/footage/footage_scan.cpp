@@ -43,8 +43,9 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
   }
   seen.losses = footage.losses();
   if (seen.facts.size() < 2)
-    return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {}; a clip has at least two",
-                                                  seen.camera.name, counted(seen.facts.size(), "frame"))};
+    return Error{ErrorCode::TooShort,
+                 fmt::format("'{}' holds {}; a clip has at least two: name more files, or their folder",
+                             seen.paths.front(), counted(seen.facts.size(), "frame"))};
   return seen;
 }
 

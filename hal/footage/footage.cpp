@@ -86,6 +86,21 @@ std::vector<std::string> files_of(const FolderListing& listing, const IsKind& is
   return files;
 }
 
+struct NumberedName {
+  std::string text;  // the path without the number and the extension
+  std::optional<std::uint64_t> number;
+};
+
+NumberedName numbered(const fs::path& path) {
+  constexpr const char* kDigits = "0123456789";
+  const std::string name = (path.parent_path() / path.stem()).string();
+  const std::size_t end = name.find_last_of(kDigits) + 1;
+  if (end == 0) return {};
+  const std::size_t begin = name.find_last_not_of(kDigits, end - 1) + 1;
+  return {std::string(name).erase(begin, end - begin),
+          parse_number<std::uint64_t>(name.substr(begin, end - begin))};
+}
+
 // The files of a clip one after the other. A file that does not say when its frames are, as a still does not,
 // goes on at the frame rate.
 class FootageFiles : public FootageReader {
@@ -244,21 +259,13 @@ class FootageFiles : public FootageReader {
 }  // namespace
 
 bool is_next_number(const std::string& file, const std::string& next) {
-  constexpr const char* kDigits = "0123456789";
-  struct Numbered {
-    std::string text;  // the path without the number and the extension
-    std::optional<std::uint64_t> number;
-  };
-  const auto numbered = [](const fs::path& path) -> Numbered {
-    const std::string name = (path.parent_path() / path.stem()).string();
-    const std::size_t end = name.find_last_of(kDigits) + 1;
-    if (end == 0) return {};
-    const std::size_t begin = name.find_last_not_of(kDigits, end - 1) + 1;
-    return {std::string(name).erase(begin, end - begin),
-            parse_number<std::uint64_t>(name.substr(begin, end - begin))};
-  };
-  const Numbered a = numbered(file), b = numbered(next);
+  const NumberedName a = numbered(file), b = numbered(next);
   return a.number && b.number && a.text == b.text && *a.number + 1 == *b.number;
+}
+
+bool is_earlier_number(const std::string& file, const std::string& next) {
+  const NumberedName a = numbered(file), b = numbered(next);
+  return a.number && b.number && a.text == b.text && *b.number < *a.number;
 }
 
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,

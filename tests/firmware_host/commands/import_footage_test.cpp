@@ -279,6 +279,18 @@ TEST_CASE("pictures and videos of one folder do not make one clip") {
   CHECK_THAT(sample::error_of(mixed).message, Contains("IMG_0.JPG") && Contains("x.mp4"));
 }
 
+TEST_CASE("a wrong cycle is refused before the footage is read, and one picture alone is no clip") {
+  const std::string folder = write_bracket("import_hasty");
+  std::ofstream(folder + "/IMG_8.JPG") << "damaged";
+  const auto wrong = import_verb(folder + " --shutter 1ms,4 --list");
+  CHECK(sample::error_of(wrong).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(wrong).message, Contains("'4' has no unit"));
+  const auto alone = import_verb(folder + "/IMG_0.JPG --list");
+  CHECK(sample::error_of(alone).code == ErrorCode::TooShort);
+  CHECK_THAT(sample::error_of(alone).message,
+             Contains(folder + "/IMG_0.JPG' holds 1 frame") && Contains("name more files"));
+}
+
 TEST_CASE("flags that would not be heeded are refused") {
   const std::string folder = sample::scratch_folder("import_flags"), path = folder + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(filmed(0, 12, {}))).ok());

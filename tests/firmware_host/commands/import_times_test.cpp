@@ -135,6 +135,17 @@ TEST_CASE("stills of a folder whose numbers begin anew come in the order in whic
   CHECK(times_in(out)[1] == Approx(1. / 30).margin(1e-8));
 }
 
+TEST_CASE("files that a shell put into another order than that of their numbers are told of") {
+  const std::string folder = write_bracket("import_shell_order");
+  std::vector<std::string> words{"import", "--list"};
+  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7, 8}) words.push_back(fmt::format("{}/IMG_{}.JPG", folder, i));
+  CHECK_THAT(test::ran(words).output, !Contains("comes before"));
+  std::swap(words[4], words[6]);  // 0 1 4 3 2
+  CHECK_THAT(test::ran(words).output,
+             Contains(fmt::format("note: '{0}/IMG_4.JPG' comes before '{0}/IMG_3.JPG'", folder)) &&
+                 Contains("import their folder"));
+}
+
 TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and the list says why") {
   const std::string t = "2026:11:22 17:00:0";
   const std::string folder = write_bracket(
