@@ -11,6 +11,7 @@
 #include "firmware_host/signed_text.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/freed_pictures.h"
+#include "hal/recording/image_sequence.h"
 #include "render/scores/scores_json.h"
 
 namespace hdrcam {
@@ -88,8 +89,19 @@ void print_frames(const ClipScores& scores) {
     say("not scored, the clip has no such frame: estimates {}\n", listed(scores.not_in_clip));
 }
 
+// Not the HDR frames in its place.
+Result<void> check_clip(Storage& storage, const std::string& folder) {
+  TRY(check_clip_folder(storage, folder));
+  const bool clip = TRY(storage.look_at(folder + "/" + ImageSequence::kFile)).kind != FileKind::Missing;
+  if (clip || TRY(storage.look_at(folder)).kind != FileKind::Folder) return {};
+  return Error{ErrorCode::NotFound,
+               fmt::format("there is no {} in '{}'; name the clip with ground truth first, and then the "
+                           "folder of the HDR frames",
+                           ImageSequence::kFile, folder)};
+}
+
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
-  TRY(check_clip_folder(around.storage, flags.clip));
+  TRY(check_clip(around.storage, flags.clip));
   TRY(check_folder(around.storage, flags.estimates, "the folder with its HDR frames"));
   TRY(flags.kept.check(around.storage, files_of_clip(flags.clip), {flags.json.output()}));
   const FreedPicturesStay stay;

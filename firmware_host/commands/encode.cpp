@@ -52,9 +52,25 @@ Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
   const std::filesystem::path named(text);
   const bool folder = TRY(storage.look_at(text)).kind == FileKind::Folder;
   const std::filesystem::path place = folder ? named : named.parent_path();
+  const bool recording = named.extension() == ".mkv";
   return Error{ErrorCode::Invalid,
-               fmt::format("'{}' {}; name the frames by their pattern, such as '{}'", text,
-                           folder ? "is a folder" : "names one file", (place / "%06d.exr").string())};
+               fmt::format("'{}' {}; name the frames by their pattern, such as '{}'{}", text,
+                           folder ? "is a folder" : "names one file", (place / "%06d.exr").string(),
+                           recording ? "; of a recording 'hdrcam replay' makes a video" : "")};
+}
+
+// What a folder holds in place of the frames that are named, with what to write for it: the end of a
+// sentence.
+std::string other_frames_in(const FolderListing& listing) {
+  for (const std::filesystem::path& path : listing.paths()) {
+    const std::string stem = path.stem().string();
+    const std::size_t digits = stem.size() - (stem.find_last_not_of("0123456789") + 1);
+    if (path.extension() != ".exr" || digits == 0) continue;
+    const std::string pattern = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
+    return fmt::format("; there is '{}', for which write '{}'", path.string(),
+                       (path.parent_path() / pattern).string());
+  }
+  return "";
 }
 
 // In the order of their numbers.
@@ -65,7 +81,9 @@ Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const st
     if (const auto sequence = pattern.sequence_of(path.filename().string()))
       files.push_back({*sequence, pattern.path(*sequence)});
   if (listing.failure() && !listing.is_missing()) return listing.cannot_read();
-  if (files.empty()) return Error{ErrorCode::NotFound, fmt::format("there are no frames '{}'", text)};
+  if (files.empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("there are no frames '{}'{}", text, other_frames_in(listing))};
   std::ranges::sort(files, {}, &NumberedFile::sequence);
   return files;
 }

@@ -12,6 +12,7 @@
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/sinks/earlier_frames.h"
+#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
@@ -132,6 +133,11 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
     return Error{
         ErrorCode::Invalid,
         fmt::format("'{}' is a file; --output names the folder to write, such as frames", options.folder)};
+  if (!FramePattern::parse("--output", options.pictures(), ".png"))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' numbers pictures, which export does itself; --output names their folder, "
+                             "such as frames",
+                             options.folder)};
   TRY(check_no_snapshot(around.storage, options.recording));
   if (options.with_poses()) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));

@@ -58,8 +58,12 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
     return one_file;
   }
   if (percents > 1) return refused(flag, text, "has more than one '%'", extension);
-  if (!text.ends_with(extension))
-    return refused(flag, text, fmt::format("does not end in '{}'", extension), extension);
+  if (!text.ends_with(extension)) {
+    Error other_kind = refused(flag, text, fmt::format("does not end in '{}'", extension), extension);
+    if (flag == kTakesVideos && text.ends_with(".png"))
+      other_kind.message += ", or give it to --preview, which makes tone-mapped pictures";
+    return other_kind;
+  }
 
   const std::size_t percent = text.find('%', begin);
   const auto width = width_of_number(text.substr(percent));

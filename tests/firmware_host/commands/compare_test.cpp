@@ -86,6 +86,10 @@ TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is not
   REQUIRE(apart.output.find("of numbers 0 to 7") != std::string::npos);
   REQUIRE(apart.output.find("100 to 103") != std::string::npos);
 
+  const Ran swapped = run_compare(fmt::format("{0}/film {0}", clip.path()));
+  REQUIRE(swapped.exit_code == exit_code_of(ErrorCode::NotFound));
+  REQUIRE(swapped.output.find("name the clip with ground truth first") != std::string::npos);
+
   std::filesystem::remove_all(clip / "gt");
   const Ran no_truth = run_compare(fmt::format("{0} {0}", clip.path()));
   REQUIRE(no_truth.exit_code == exit_code_of(ErrorCode::NotFound));

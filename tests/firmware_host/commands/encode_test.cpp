@@ -330,6 +330,24 @@ TEST_CASE("encode leads from a folder, and from one of its files, to the pattern
   }
 }
 
+TEST_CASE("encode leads from other names to the frames that are there, and from a recording to replay") {
+  const std::string out = sample::scratch_folder("encode_names");
+  write_grey(out + "/take_000007.exr", Image<float>(1, 16, 16));
+  const auto told = [&](const std::vector<std::string>& frames) {
+    std::vector<std::string> words{"encode", "-o", out + "/x.mp4"};
+    words.insert(words.end(), frames.begin(), frames.end());
+    const RanHere refused = ran_here(words);
+    CHECK(refused.exit_code != 0);
+    return refused.err;
+  };
+  CHECK_THAT(told({out + "/%04d.exr"}), Contains("there are no frames") &&
+                                            Contains("there is '" + out + "/take_000007.exr'") &&
+                                            Contains("write '" + out + "/take_%06d.exr'"));
+  CHECK_THAT(told({out + "/000001.exr", out + "/000002.exr"}),
+             Contains("unexpected argument") && Contains("one pattern, such as 'out/%06d.exr'"));
+  CHECK_THAT(told({"walk.mkv"}), Contains("'hdrcam replay' makes a video"));
+}
+
 TEST_CASE("encode refuses flags that its output does not use, and leaves what a file of settings says") {
   const std::string out = sample::scratch_folder("encode_ignored"), frames = out + "/%06d.exr";
   const RanHere piped = ran_here({"encode", frames, "-o", "-", "--codec", "av1", "--crf", "20"});

@@ -363,6 +363,18 @@ TEST_CASE("a clip or a picture in place of a recording leads to import, and two 
   CHECK(both.message.find("/a' is a folder among other footage") != std::string::npos);
 }
 
+TEST_CASE("export names pictures itself, and asks for their folder where it gets a pattern") {
+  const std::string folder = sample::scratch_folder("export_pattern");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), folder + "/x.mkv", camera, sample::frames(camera, 3, 2)).ok());
+  const Error refused =
+      sample::error_of(hdrcam_verb("export " + folder + "/x.mkv -o " + folder + "/y/%06d.png"));
+  CHECK(refused.code == ErrorCode::Invalid);
+  CHECK(refused.message.find("/y/%06d.png' numbers pictures") != std::string::npos);
+  CHECK(refused.message.find("--output names their folder") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder + "/y"));
+}
+
 TEST_CASE("names in a recording cannot move the cursor of a terminal") {
   const std::string path = sample::scratch_folder("escape") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);

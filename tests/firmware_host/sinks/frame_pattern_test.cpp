@@ -80,6 +80,8 @@ TEST_CASE("a single file for all frames leads to the videos, where the output ma
   };
   CHECK_THAT(message("--output", "v.avi", ".exr"), Contains("out.mp4, out.mov or out.mkv"));
   CHECK_THAT(message("--preview", "v.avi", ".png"), !Contains("out.mp4"));
+  CHECK_THAT(message("--output", "out/%06d.png", ".exr"),
+             Contains("'out/%06d.exr', or give it to --preview"));
 }
 
 TEST_CASE("a pattern of recordings that is refused is said to be one, not one of frames") {
