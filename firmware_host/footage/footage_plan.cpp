@@ -101,6 +101,17 @@ void take_walk(FootagePlan& plan) {
   count_missing(plan);
 }
 
+// The way of the frames through the cycle, which is estimated where the user names none.
+Result<CycleWalk> walk_of(const FootageScan& seen, FootagePlan& plan) {
+  const bool estimate = plan.origin == ExposureOrigin::Estimated;
+  if (estimate) plan.cycle = TRY(estimate_cycle(seen.steps));
+  auto walk = find_walk(seen.steps[0], plan.cycle);
+  if (!walk && estimate)  // what was estimated is no cycle that the user knows of
+    return Error{ErrorCode::BadExposure,
+                 "the pictures show no steady cycle of exposures; give it with --shutter"};
+  return walk;
+}
+
 class PlannedFootage : public RecordingReader {
  public:
   PlannedFootage(std::unique_ptr<FootageReader> footage, const FootagePlan& plan)
@@ -176,11 +187,9 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
     return plan;
   }
   plan.origin = estimate ? ExposureOrigin::Estimated : ExposureOrigin::Cycle;
-  if (estimate) plan.cycle = TRY(estimate_cycle(seen.steps));
-  auto walk = find_walk(seen.steps[0], plan.cycle);
-  if (!walk && estimate)  // what was estimated is no cycle that the user knows of
-    return Error{ErrorCode::BadExposure,
-                 "the pictures show no steady cycle of exposures; give it with --shutter"};
+  auto walk = walk_of(seen, plan);
+  if (!walk && !seen.low_codes.empty())  // of nearly black pictures
+    return Error{walk.error().code, fmt::format("{}; {}", walk.error().message, seen.low_codes)};
   plan.walk = TRY(std::move(walk));
   take_walk(plan);
   return plan;

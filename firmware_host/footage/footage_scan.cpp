@@ -6,6 +6,7 @@
 #include <array>
 
 #include "capture/exposure_schedule.h"
+#include "firmware_host/footage/low_codes.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -21,6 +22,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
   };
   Photometer photometer(response_of({}));
   std::array<PhotometricSignature, kLags + 1> recent;  // by frame number, round and round
+  LowCodes low(seen.camera);
   RawFrame frame;
   while (TRY(footage.next(frame))) {
     if (stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {}", seen.facts.size())};
@@ -32,6 +34,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
       seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));
     if (seen.paths.empty() || seen.paths.back() != footage.path())
       seen.paths.push_back(footage.path()), seen.begins.push_back(i);
+    low.observe(frame.codes);
     seen.facts.push_back(frame.facts);
     seen.taken.push_back(footage.taken());
     seen.stills |= footage.still();
@@ -41,7 +44,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
     if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
       seen.silent = footage.path();
   }
-  seen.losses = footage.losses();
+  seen.losses = footage.losses(), seen.low_codes = low.warning();
   if (seen.facts.size() < 2)
     return Error{ErrorCode::TooShort,
                  fmt::format("'{}' holds {}; a clip has at least two: name more files, or their folder",

@@ -33,7 +33,8 @@ struct FootageScan {
   std::string timed;                // the first video that says when its frames are; "": none
   StepsByLag steps;
   StatedFactor iso, f_number;
-  std::string silent;  // the first file with a frame whose exposure it does not state; "": none
+  std::string low_codes;  // what LowCodes warns of
+  std::string silent;     // the first file with a frame whose exposure it does not state; "": none
   std::vector<FootageLosses> losses;
 };
 

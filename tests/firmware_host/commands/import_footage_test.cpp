@@ -384,6 +384,23 @@ TEST_CASE(
   CHECK(test::ran({"import", clip, "-o", folder + "/x.mkv"}).output == broken.output);
 }
 
+TEST_CASE("where nearly black pictures show no cycle, codes in the lower bits of 16 are told as the reason") {
+  const std::string folder = sample::scratch_folder("import_low_cycle");
+  for (int i = 0; i < 6; ++i) {
+    PngImage image{16, Image<std::uint16_t>(1, 48, 64)};
+    for (int at = 0; at < 48 * 64; ++at)
+      image.samples.samples()[static_cast<std::size_t>(at)] =
+          static_cast<std::uint16_t>(std::min(4095, (at % 64 + 1) * 80));
+    REQUIRE(write_png(posix_storage(), folder + fmt::format("/{}.png", i), image).ok());
+  }
+  for (const char* cycle : {"1ms,4ms,16ms", "16ms,1ms"}) {
+    const auto refused = import_verb(folder + " --list --shutter " + cycle);
+    CHECK(sample::error_of(refused).code == ErrorCode::BadExposure);
+    CHECK_THAT(sample::error_of(refused).message,
+               Contains("do not alternate") && Contains("; no code of 16 bits is above 4095"));
+  }
+}
+
 TEST_CASE("16-bit pictures whose codes lie in the lower 12 bits are imported with a warning") {
   const std::string clip = sample::scratch_folder("import_low_codes");
   std::string frames;
