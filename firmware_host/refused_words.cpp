@@ -63,6 +63,12 @@ NamedVerb innermost(const CLI::App& app) {
   return verb;
 }
 
+std::vector<std::string> inner_verbs_of(const CLI::App& place) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : place.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+  return verbs;
+}
+
 // Of an argument too many: a camera without its flag, one of many frames, as a shell makes them of
 // "out/*.exr", or a word that is almost a verb of this one.
 std::string meant_by(const std::string& word, const CLI::App& place) {
@@ -72,9 +78,7 @@ std::string meant_by(const std::string& word, const CLI::App& place) {
     return fmt::format(" (did you mean '--camera {}'?)", word);
   if (word.ends_with(".exr") && place.get_option_no_throw("frames") != nullptr)
     return " (name all frames by one pattern, such as 'out/%06d.exr')";
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : place.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
-  return did_you_mean(word, verbs);
+  return did_you_mean(word, inner_verbs_of(place));
 }
 
 // Adds the verbs below this one that have the flag: "replay", "bench pareto". words: that lead to them.
@@ -119,6 +123,9 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),
                                             meant_by(extras.front(), place), help)};
+  if (const auto inner = inner_verbs_of(place); &place != &app && !inner.empty())
+    return {ErrorCode::Invalid,
+            fmt::format("'{}' needs {} behind it; see '{}'", verb.words, fmt::join(inner, " or "), help)};
   return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence_of(place, refused), help)};
 }
 

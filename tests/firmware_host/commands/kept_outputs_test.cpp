@@ -124,6 +124,7 @@ TEST_CASE("an empty name of a file or a folder is refused by every verb and ever
                                                     {"record", "-o", ""},
                                                     {"record", "--trace", "", "-o", "x.mkv"},
                                                     {"encode", "out/%06d.exr", "-o", ""},
+                                                    {"encode", "", "-o", "x.mp4"},
                                                     {"replay", kDemo, "-o", ""},
                                                     {"replay", kDemo, "-o", "out/%06d.exr", "--stats", ""},
                                                     {"replay", kDemo, "-o", "out/%06d.exr", "--truth", ""},
