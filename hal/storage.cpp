@@ -53,7 +53,7 @@ class FileInMaking::File : public StorageFile {
 Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& path) {
   FileFacts there = TRY(storage.look_at(path));
   if (there.kind == FileKind::Folder)
-    return Error{ErrorCode::Permission, fmt::format("cannot write '{}': it is a folder", path)};
+    return Error{ErrorCode::Permission, fmt::format("cannot write '{}': it is a folder; name a file", path)};
   if (there.kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("cannot write '{}': it is a device or a FIFO; name a regular file", path)};

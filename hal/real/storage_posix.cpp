@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include "hal/descriptor.h"
@@ -29,6 +30,13 @@ std::string file_within(const std::string& path) {
   return part.string();
 }
 
+// The standard output is no file, so its name stands without quotes.
+constexpr std::string_view kStandardOutputName = "the standard output";
+
+std::string named(const std::string& path) {
+  return path == kStandardOutputName ? path : fmt::format("'{}'", path);
+}
+
 Error error_of(int code, const std::string& what, const std::string& path) {
   const std::string reason = std::strerror(code);
   switch (code) {
@@ -39,8 +47,12 @@ Error error_of(int code, const std::string& what, const std::string& path) {
     case EACCES:
     case EPERM:
     case EROFS:
+      return {ErrorCode::Permission, fmt::format("cannot {} {}: {}", what, named(path), reason), code};
     case EISDIR:
-      return {ErrorCode::Permission, fmt::format("cannot {} '{}': {}", what, path, reason), code};
+      return {ErrorCode::Permission, fmt::format("cannot {} '{}': it is a folder; name a file", what, path),
+              code};
+    case EPIPE:
+      return {ErrorCode::Io, fmt::format("the program that reads {} has ended", named(path)), code};
     case ENOTDIR:
       return {ErrorCode::Permission,
               fmt::format("cannot {} '{}': '{}' is a file, and a folder is needed in its place", what, path,
@@ -49,7 +61,8 @@ Error error_of(int code, const std::string& what, const std::string& path) {
     case ENOSPC:
     case EDQUOT:
       return {ErrorCode::NoSpace,
-              fmt::format("no space left to {} '{}': {}; free some and run again", what, path, reason), code};
+              fmt::format("no space left to {} {}: {}; free some and run again", what, named(path), reason),
+              code};
     case EFBIG:
       return {
           ErrorCode::NoSpace,
@@ -58,7 +71,7 @@ Error error_of(int code, const std::string& what, const std::string& path) {
                       path),
           code};
     default:
-      return {ErrorCode::Io, fmt::format("cannot {} '{}': {}", what, path, reason), code};
+      return {ErrorCode::Io, fmt::format("cannot {} {}: {}", what, named(path), reason), code};
   }
 }
 
@@ -242,7 +255,7 @@ class PosixStorage : public Storage {
 }  // namespace
 
 std::unique_ptr<StorageFile> standard_output() {
-  return std::make_unique<PosixFile>(Descriptor(::dup(STDOUT_FILENO)), "the standard output",
+  return std::make_unique<PosixFile>(Descriptor(::dup(STDOUT_FILENO)), std::string(kStandardOutputName),
                                      PosixFile::Access::Stream);
 }
 

@@ -187,6 +187,21 @@ TEST_CASE("a standard output that does not block is waited for") {
   CHECK(read == sent);
 }
 
+TEST_CASE("a standard output whose reader has ended is an error that says so") {
+  std::array<int, 2> ends{};
+  REQUIRE(::pipe2(ends.data(), O_CLOEXEC) == 0);
+  const int before = ::dup(STDOUT_FILENO);
+  ::dup2(ends[1], STDOUT_FILENO), ::close(ends[1]);
+  auto output = standard_output();
+  ::dup2(before, STDOUT_FILENO), ::close(before);
+  ::close(ends[0]);
+  const auto earlier = std::signal(SIGPIPE, SIG_IGN);
+  const Result<void> written = output->write_at(0, bytes_of("gone"));
+  std::signal(SIGPIPE, earlier);
+  require_error(written, ErrorCode::Io);
+  CHECK(written.error().message == "the program that reads the standard output has ended");
+}
+
 TEST_CASE("a device is written through, not replaced") {
   require_done(write_whole(posix_storage(), "/dev/null", bytes_of("gone")));
   CHECK(fs::is_character_file("/dev/null"));
@@ -202,6 +217,17 @@ TEST_CASE("a FIFO or a device in place of a file to read is refused at once, als
     CHECK(text.error().message ==
           fmt::format("cannot read '{}': it is a device or a FIFO; name a regular file", path));
   }
+}
+
+TEST_CASE("a folder in place of a file is called a folder, to read and to write") {
+  const ScratchFolder folder;
+  const auto text = read_whole(posix_storage(), folder.name);
+  require_error(text, ErrorCode::Permission);
+  CHECK(text.error().message == fmt::format("cannot read '{}': it is a folder; name a file", folder.name));
+  const Result<void> written = write_whole(posix_storage(), folder.name, bytes_of("text"));
+  require_error(written, ErrorCode::Permission);
+  CHECK(written.error().message ==
+        fmt::format("cannot write '{}': it is a folder; name a file", folder.name));
 }
 
 TEST_CASE("two names of one file are the same file, also through links") {
