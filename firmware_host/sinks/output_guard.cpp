@@ -85,7 +85,20 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   return place;
 }
 
+// Its name ends in three digits or more, as the names of frames and of a camera's pictures do.
+bool is_numbered(const std::string& path) {
+  constexpr std::size_t kFewestDigits = 3;
+  const std::string name = fs::path(path).stem().string();
+  return name.size() - (name.find_last_not_of("0123456789") + 1) >= kFewestDigits;
+}
+
 Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind kind) {
+  if (kind == OutputKind::Picture && place.facts.kind == FileKind::Regular &&
+      is_numbered(place.facts.real_path))
+    return Error{ErrorCode::Exists,
+                 fmt::format("{} '{}' exists already and is numbered as a frame is; name another file, or "
+                             "replace it with --force",
+                             place.words, place.path)};
   const bool is_kept =
       kind == OutputKind::Recording || kind == OutputKind::Scene || kind == OutputKind::Document;
   if (is_kept && place.facts.kind == FileKind::Regular)
@@ -134,6 +147,12 @@ Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
                fmt::format("{} '{}' would replace {}; name another file", place.words, place.path, replaced)};
 }
 
+// A message names the path once: what the storage says of it comes without its own "cannot write 'PATH'".
+std::string reason_of(const std::string& message, const std::string& path) {
+  const std::string said = fmt::format("cannot write '{}': ", path);
+  return message.starts_with(said) ? message.substr(said.size()) + "; name another place" : message;
+}
+
 }  // namespace
 
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
@@ -161,10 +180,10 @@ Result<void> make_room_for(Storage& storage, std::span<const NamedOutput> output
     if (TRY(storage.look_at(output.path)).kind == FileKind::Other) continue;  // written through
     const FileInMaking trial = TRY(FileInMaking::beside(storage, output.path));
     if (const auto made = trial.as_asked(storage.create(trial.path(), Creation::New)); !made)
-      return Error{
-          made.error().code,
-          fmt::format("{} '{}' cannot be written: {}", output.flag, output.path, made.error().message),
-          made.error().sys_errno};
+      return Error{made.error().code,
+                   fmt::format("{} '{}' cannot be written: {}", output.flag, output.path,
+                               reason_of(made.error().message, output.path)),
+                   made.error().sys_errno};
   }
   return {};
 }

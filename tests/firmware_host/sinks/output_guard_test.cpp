@@ -65,8 +65,9 @@ TEST_CASE("the folder of every output is made, and one that takes no file is fou
   }
   const Result<void> no_file = room({{"--report", "/proc/self/report.html"}});
   REQUIRE_FALSE(no_file.ok());
-  CHECK(no_file.error().message.find("--report '/proc/self/report.html' cannot be written") == 0);
-  CHECK(no_file.error().message.find(".part") == std::string::npos);
+  CHECK(no_file.error().message ==
+        "--report '/proc/self/report.html' cannot be written: its folder takes no new files; name another "
+        "place");
   CHECK_FALSE(room({{"--report", "walk.mkv/report.html"}}).ok());  // below a file
   CHECK_FALSE(room({{"--report", "a"}}).ok());                     // a folder
 }
@@ -131,6 +132,22 @@ TEST_CASE("a document is replaced with --force only, and never stands in for a r
   require_done(desk.check(again, Overwrite::Force));
   require_error(desk.check({{"--output", "take1.mkv", OutputKind::Document}}, Overwrite::Force),
                 ErrorCode::Invalid);
+}
+
+TEST_CASE("a contact sheet takes the place of a numbered picture with --force only") {
+  const Desk desk("guard_numbered");
+  for (const char* picture : {"out/000001.png", "frame_0041.png", "IMG_1234.PNG"}) {
+    INFO(picture);
+    desk.put(picture);
+    const std::vector<NamedOutput> outputs{{"--sheet", picture, OutputKind::Picture}};
+    const Result<void> checked = desk.check(outputs);
+    require_error(checked, ErrorCode::Exists);
+    CHECK(checked.error().message.find("is numbered as a frame is") != std::string::npos);
+    require_done(desk.check(outputs, Overwrite::Force));
+  }
+  desk.put("sheet2.png");
+  require_done(desk.check({{"--sheet", "sheet2.png", OutputKind::Picture}}));
+  require_done(desk.check({{"--sheet", "out/000002.png", OutputKind::Picture}}));  // nothing is there
 }
 
 TEST_CASE("a name that no frame or file can have is refused before its folder is made") {
