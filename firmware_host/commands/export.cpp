@@ -98,15 +98,20 @@ struct ExportedFrames {
   PosedClip posed;  // empty where no poses are asked for
 };
 
+Error stopped_after(int frames) {
+  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
+  return {ErrorCode::Interrupted,
+          fmt::format("stopped after {}; their pictures are complete, but the folder has no clip.json",
+                      counted(frames, "frame"))};
+}
+
 Result<ExportedFrames> copy_frames(const ExportOptions& options, RecordingReader& from,
                                    ImageSequenceWriter& to, const std::atomic<bool>& stop) {
   ExportedFrames written;
   written.posed = posed_clip_of(from.camera());
   std::optional<Instant> start;
   for (;; ++written.count) {
-    if (stop)
-      return Error{ErrorCode::Interrupted,
-                   fmt::format("interrupted after {}", counted(written.count, "frame"))};
+    if (stop) return stopped_after(written.count);
     auto frame = from.next();
     if (!frame && !options.is_end(frame.error())) return frame.error();
     if (!frame) written.ended = frame.error();

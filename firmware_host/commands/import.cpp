@@ -41,7 +41,7 @@ Result<void> each_frame(Surroundings& around, RecordingStage& clip, LowCodes& lo
   CapturedFrame frame;
   while (TRY(clip.next(frame))) {
     if (around.stop)
-      return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}",
+      return Error{ErrorCode::Interrupted, fmt::format("stopped at frame {} of {}; nothing was written",
                                                        clip.counters().captured - 1, *clip.frame_count())};
     low.observe(frame.raw.codes);
     TRY(take(frame.raw));

@@ -34,7 +34,7 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
   for (;; ++saved.frames) {
     if (around.stop)
       return Error{ErrorCode::Interrupted,
-                   fmt::format("interrupted after {}", counted(saved.frames, "frame"))};
+                   fmt::format("stopped after {}; nothing was written", counted(saved.frames, "frame"))};
     auto frame = from.next();
     if (!frame && frame.error().code != ErrorCode::Truncated) return frame.error();
     if (!frame) saved.cut = frame.error().message;

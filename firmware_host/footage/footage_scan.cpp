@@ -25,7 +25,9 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
   LowCodes low(seen.camera);
   RawFrame frame;
   while (TRY(footage.next(frame))) {
-    if (stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {}", seen.facts.size())};
+    if (stop)
+      return Error{ErrorCode::Interrupted,
+                   fmt::format("stopped at frame {}; nothing was written", seen.facts.size())};
     const std::size_t i = seen.facts.size();
     PhotometricSignature& here = recent[i % recent.size()];
     photometer.set_response(response_of(frame.facts));

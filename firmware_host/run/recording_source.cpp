@@ -42,8 +42,9 @@ Result<const RawFrame*> RecordingSource::next() {
     return nullptr;
   }
   if (stop_) {
-    end_ = Error{ErrorCode::Interrupted,
-                 fmt::format("stopped after {}; the output is complete", counted(read_, "frame"))};
+    end_ = Error{
+        ErrorCode::Interrupted,
+        fmt::format("stopped after {}; the files that were written are complete", counted(read_, "frame"))};
     return nullptr;
   }
   auto more = recording_->next(frame_);

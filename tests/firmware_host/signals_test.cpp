@@ -58,5 +58,5 @@ TEST_CASE("a run that is asked to stop ends with 130, and what it says is true")
   const auto stopped = hdrcam::test::ran_here(
       {"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", pattern}, hdrcam::posix_storage(), true);
   CHECK(stopped.exit_code == hdrcam::kExitInterrupted);
-  CHECK(stopped.err == "hdrcam: stopped after 0 frames; the output is complete.\n");
+  CHECK(stopped.err == "hdrcam: stopped after 0 frames; the files that were written are complete.\n");
 }

@@ -247,6 +247,19 @@ TEST_CASE("export does not call a recording that it cannot read one without pose
   CHECK(ran.output.find("hdrcam replay '" + spaced + "' --preview") != std::string::npos);
 }
 
+TEST_CASE("a verb that is stopped says what it has written") {
+  const std::string folder = sample::scratch_folder("stopped_verbs"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 3, 2)).ok());
+  const auto said = [&](const std::string& line) {
+    return sample::error_of(hdrcam_verb(line, posix_storage(), true)).message;
+  };
+  CHECK(said("export " + path + " -o " + folder + "/out") == "stopped before the first frame");
+  CHECK(said("repair " + path + " -o " + folder + "/r.mkv") == "stopped after 0 frames; nothing was written");
+  CHECK_FALSE(std::filesystem::exists(folder + "/out/clip.json"));
+  CHECK_FALSE(std::filesystem::exists(folder + "/r.mkv"));
+}
+
 TEST_CASE("export of a single frame writes it, and says that it makes no clip that import takes") {
   const std::string folder = sample::scratch_folder("export_one"), path = folder + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
