@@ -238,8 +238,10 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
     return Error{
         ErrorCode::BadExposure,
         fmt::format(
-            "the pictures do not alternate as {} would; give the camera's own cycle, or --shutter auto",
-            describe(cycle))};
+            "{}; give the camera's own cycle, or --shutter auto",
+            cycle.size() == 1
+                ? fmt::format("the exposure changes between frames, and is not always {}", describe(cycle))
+                : fmt::format("the pictures do not alternate as {} would", describe(cycle)))};
   if (is_out_of_order(best.walk, steps, log_exposures))
     return Error{ErrorCode::BadExposure,
                  fmt::format("the pictures get darker where {} gets brighter, or the reverse; give the "

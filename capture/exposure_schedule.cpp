@@ -45,9 +45,9 @@ Result<void> check_distinct(std::span<const Exposure> cycle) {
   if (cycle.size() < 2 || !all_same(cycle)) return {};
   return Error{
       ErrorCode::Invalid,
-      fmt::format("all {} exposures of the cycle are the same, {}; give different ones to --shutter or "
+      fmt::format("{} exposures of the cycle are the same, {}; give different ones to --shutter or "
                   "--gain, or a single one",
-                  cycle.size(), describe(cycle.front()))};
+                  cycle.size() == 2 ? "both" : fmt::format("all {}", cycle.size()), describe(cycle.front()))};
 }
 
 Duration half_period(Mains mains) {

@@ -209,8 +209,8 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   });
   if (found == cycle_.end()) return;
   if (facts.has_exposure())
-    relabelled_.object("frame {}: its pictures changed its exposure from {} to {}", facts.sequence,
-                       described(label_of(facts)), described(*found));
+    relabelled_.object("frame {}: the pictures show an exposure of {}, not the stated {}", facts.sequence,
+                       described(*found), described(label_of(facts)));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;
@@ -228,8 +228,8 @@ void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration
   const double frame_s = std::max(to_seconds(*interval), 1 / camera_.framerate_hz);
   if (!outlasts_frame(facts.exposure_s, frame_s)) return;
   if (frame.proof.verdict == Verdict::Proved) facts.verdict = frame.proof.verdict = Verdict::Plausible;
-  overlong_.object("frame {}: an exposure of {:.6g} s does not fit into {:.6g} s", facts.sequence,
-                   facts.exposure_s, frame_s);
+  overlong_.object("frame {}: an exposure of {:.6g} s does not fit the frame interval of {:.6g} s",
+                   facts.sequence, facts.exposure_s, frame_s);
 }
 
 std::optional<std::string> RecordedLabels::objection() const {
@@ -247,7 +247,7 @@ std::vector<std::string> RecordedLabels::warnings() const {
       warnings.push_back(
           fmt::format("{} of {} frames {}; {}", objections.count, frames_, what, objections.first));
   };
-  warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
+  warn(relabelled_, "had a wrong exposure and were relabelled from the pictures");
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
   if (order_.objects())
@@ -255,7 +255,8 @@ std::vector<std::string> RecordedLabels::warnings() const {
          "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
          "the exposures should be checked");
   warn(overlong_,
-       "state an exposure longer than the frame itself, so motion blur counts only if frames show it");
+       "state an exposure longer than the frame interval, so motion blur is modelled only where frames show "
+       "it");
   return warnings;
 }
 

@@ -100,8 +100,8 @@ Result<int> exposure_delay(Camera& camera, const CaptureOptions& options, const 
   if (pairs.empty())
     return Error{
         ErrorCode::Invalid,
-        fmt::format("no two exposures of --shutter {} are a stop apart, so that their pictures could "
-                    "be told from each other; give 1ms,4ms",
+        fmt::format("no two exposures of --shutter {} are a stop or more apart, so their pictures cannot "
+                    "be distinguished; give two that are, such as 1ms,4ms",
                     shutter)};
   const DelayEstimate estimate = TRY(measure(camera, options, pairs, stop));
   print("exposure", estimate);

@@ -216,6 +216,13 @@ TEST_CASE("footage that does not alternate as it is said to is refused") {
   CHECK(refused.error().code == ErrorCode::BadExposure);
   CHECK_THAT(refused.error().message, Contains("1 ms, 4 ms, 16 ms") && Contains("--shutter auto"));
   CHECK(find_walk(still.steps, {}).error().code == ErrorCode::Invalid);
+  const Footage changing = footage(kCycles[1], 30, 0, {}, 1, 5);
+  const std::vector<Exposure> one{exposure_of(4)};
+  const auto not_one = find_walk(changing.steps, one);
+  REQUIRE_FALSE(not_one.ok());
+  CHECK(not_one.error().code == ErrorCode::BadExposure);
+  CHECK_THAT(not_one.error().message,
+             Contains("the exposure changes between frames, and is not always 4 ms"));
 }
 
 TEST_CASE("a cycle that nobody knows comes out of the pictures with its ratios, losses or not") {

@@ -350,7 +350,7 @@ TEST_CASE("an exposure longer than its frame lasts is said, and its frame kept",
   scene.framerate_hz = 100;  // 10 ms a frame
   const Judged result = judged(scene, filmed(scene, 12));
   REQUIRE(result.warnings.size() == 1);
-  CHECK(result.warnings.front().find("4 of 12 frames state an exposure longer than the frame itself") == 0);
+  CHECK(result.warnings.front().find("4 of 12 frames state an exposure longer than the frame interval") == 0);
   for (const FrameFacts& facts : result.facts) {
     CHECK(facts.exposure_s == true_exposure_s(scene, facts));
     CHECK(facts.flags == 0);
@@ -372,7 +372,7 @@ TEST_CASE("a long first exposure fits its frame although the next one's centre i
   CHECK_FALSE(strict(0.03));
   const auto longer = strict(0.04);
   REQUIRE(longer);
-  CHECK(longer->message == "frame 0: an exposure of 0.04 s does not fit into 0.0333333 s");
+  CHECK(longer->message == "frame 0: an exposure of 0.04 s does not fit the frame interval of 0.0333333 s");
 }
 
 TEST_CASE("a long exposure fits its frame where exposures end a frame apart, though its centre comes early",
@@ -389,7 +389,7 @@ TEST_CASE("a long exposure fits its frame where exposures end a frame apart, tho
   CHECK_FALSE(strict(0.03));
   const auto longer = strict(0.04);
   REQUIRE(longer);
-  CHECK(longer->message == "frame 2: an exposure of 0.04 s does not fit into 0.0333333 s");
+  CHECK(longer->message == "frame 2: an exposure of 0.04 s does not fit the frame interval of 0.0333333 s");
 }
 
 TEST_CASE("what a camera proved stays proved, and what nobody knew is found by the pictures", "[capture]") {
