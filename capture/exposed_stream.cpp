@@ -69,9 +69,11 @@ Result<void> ExposedStream::take(const RawFrame& raw, const HandOn& hand_on) {
 Result<void> ExposedStream::finish(const HandOn& hand_on) {
   if (started_) return {};
   if (waiting_.size() < 2)
-    return Error{ErrorCode::TooShort,
-                 fmt::format("{} frame of a known exposure came; at least two with different ones are needed",
-                             waiting_.empty() ? "no" : "only one")};
+    return Error{
+        ErrorCode::TooShort,
+        fmt::format(
+            "{} frame with a known exposure came; the method needs two or more, with different exposures",
+            waiting_.empty() ? "no" : "only one")};
   return start(hand_on);
 }
 

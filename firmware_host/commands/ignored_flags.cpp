@@ -54,10 +54,12 @@ Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& came
 Result<void> check_lines(const SettingsFlags& flags, const Settings::Sync& sync) {
   TRY(refuse_unless(!sync.line.empty(), flags, {"sync.strobe", "sync.strobe_delay", "sync.active_low"},
                     "this run reads no strobe line; give --sync-line gpiochip0:17"));
-  return refuse_unless(
+  TRY(refuse_unless(
       !sync.trigger_line.empty(), flags,
       {"sync.trigger_width", "sync.trigger_gap", "sync.trigger_tolerance", "sync.trigger_active_low"},
-      "this run drives no trigger line; give --trigger-line gpiochip0:17");
+      "this run drives no trigger line; give --trigger-line gpiochip0:17"));
+  return refuse_unless(sync.trigger != TriggerMode::PulseWidth, flags, {"sync.trigger_width"},
+                       "with --trigger pulse-width a pulse is as wide as the exposure; give --trigger fsync");
 }
 
 Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output& output) {

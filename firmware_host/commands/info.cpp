@@ -29,7 +29,12 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
   const auto summary = TRY(summarize(around.storage, options.recording));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
   if (!summary.behind.empty()) remark("warning: {}\n", summary.behind);
-  if (summary.end) return *summary.end;
+  if (summary.end) {
+    if (summary.end->code != ErrorCode::Truncated || summary.frames == 0) return *summary.end;
+    return Error{ErrorCode::Truncated,
+                 fmt::format("{}; 'hdrcam repair {} -o FILE' makes a complete recording of them",
+                             summary.end->message, shell_word(options.recording))};
+  }
   const LeftOut& left_out = summary.left_out;
   const std::string damage = left_out.sentence();
   if (damage.empty()) return {};

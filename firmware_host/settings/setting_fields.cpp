@@ -94,7 +94,7 @@ std::vector<SettingField> camera_fields() {
       number<kGroup, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
                                   {4, kMostBuffers, {}}),
       list<kGroup, &C::control_delay>("camera.control_delay", "--control-delay",
-                                      "exposure,gain control latency in frames, such as 2,1",
+                                      "exposure,gain control latency in frames, such as 2,1, or one for both",
                                       "as the driver reports"),
       number<kGroup, &C::black_level>("camera.black_level", "--black-level",
                                       "black level of raw formats, in codes of 255 (the scale of 8 bits)",

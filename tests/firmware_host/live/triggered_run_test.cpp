@@ -146,4 +146,8 @@ TEST_CASE("lines that cannot be are refused with what to change") {
       refused(with({"sim:walk", "--trigger-line", "sim", "--trigger", "fsync", "--trigger-width", "wide"}),
               ErrorCode::Invalid),
       Contains("wide"));
+  CHECK_THAT(refused(with({"sim:walk", "--trigger-line", "sim", "--trigger", "pulse-width", "--trigger-width",
+                           "1ms"}),
+                     ErrorCode::Invalid),
+             Contains("a pulse is as wide as the exposure") && Contains("leave out --trigger-width"));
 }
