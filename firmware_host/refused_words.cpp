@@ -27,10 +27,18 @@ std::string number_needed(const CLI::App& place, const std::string& sentence) {
   return fmt::format("{} takes a {}number, not '{}'", name, whole ? "whole " : "", sentence.substr(end + 3));
 }
 
+std::vector<std::string> names_of_verbs(const CLI::App& place) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : place.get_subcommands(nullptr)) names.push_back(verb->get_name());
+  return names;
+}
+
 // CLI11's words for what is wrong, in ours. Names of flags and arguments stay as the help has them.
 std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
   std::string sentence = refused.what();
   if (sentence.starts_with("Could not convert: ")) return number_needed(place, sentence);
+  if (sentence.starts_with("A subcommand is required"))
+    return fmt::format("{} needs '{}'", place.get_name(), fmt::join(names_of_verbs(place), "' or '"));
   const std::string first_word = sentence.substr(0, sentence.find_first_of(": "));
   for (const CLI::Option* option : place.get_options()) {
     const std::string name = option->get_name();
@@ -63,12 +71,6 @@ NamedVerb innermost(const CLI::App& app) {
   return verb;
 }
 
-std::vector<std::string> inner_verbs_of(const CLI::App& place) {
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : place.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
-  return verbs;
-}
-
 // Of an argument too many: a camera without its flag, one of many frames, as a shell makes them of
 // "out/*.exr", or a word that is almost a verb of this one.
 std::string meant_by(const std::string& word, const CLI::App& place) {
@@ -78,7 +80,7 @@ std::string meant_by(const std::string& word, const CLI::App& place) {
     return fmt::format(" (did you mean '--camera {}'?)", word);
   if (word.ends_with(".exr") && place.get_option_no_throw("frames") != nullptr)
     return " (name all frames by one pattern, such as 'out/%06d.exr')";
-  return did_you_mean(word, inner_verbs_of(place));
+  return did_you_mean(word, names_of_verbs(place));
 }
 
 // Adds the verbs below this one that have the flag: "replay", "bench pareto". words: that lead to them.
@@ -123,9 +125,6 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),
                                             meant_by(extras.front(), place), help)};
-  if (const auto inner = inner_verbs_of(place); &place != &app && !inner.empty())
-    return {ErrorCode::Invalid,
-            fmt::format("'{}' needs {} behind it; see '{}'", verb.words, fmt::join(inner, " or "), help)};
   return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence_of(place, refused), help)};
 }
 
