@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "firmware_host/live/live_report.h"
 #include "tests/firmware_host/sinks/example_run.h"
 #include "tests/places.h"
 
@@ -117,6 +118,14 @@ TEST_CASE("the statistics have the keys that docs/stats.md lists, and no others"
   const auto json = nlohmann::json::parse(to_json(record));
   CHECK(keys_of(json) == documented_keys("key"));
   CHECK(keys_of(json["per_frame"][5]) == documented_keys("key of a frame"));
+}
+
+TEST_CASE("the counters of a run on a camera are those that docs/stats.md lists") {
+  LiveCounters counters;
+  counters.camera.trigger.pulses = 1;
+  std::set<std::string> names;
+  for (const NamedValue& counter : named(counters)) names.emplace(counter.name);
+  CHECK(names == documented_keys("counter"));
 }
 
 TEST_CASE("the statistics state the pose of each frame that has one, its source and its unit") {
