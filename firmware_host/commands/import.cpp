@@ -300,7 +300,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     return tell_losses(plan);
   }
   if (!plan.times.trouble.empty())
-    remark("note: the frames come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
+    remark("note: the frames come at {:.4g} frames per second, because {}\n", plan.camera.framerate_hz,
            plan.times.trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");

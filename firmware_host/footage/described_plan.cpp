@@ -52,7 +52,8 @@ std::string described_exposures(const FootagePlan& plan) {
 std::string describe(const FootageLosses& losses) {
   const int lost = losses.lost.damaged + losses.lost.missing;
   if (losses.lost.missing > 0)
-    return fmt::format("'{}' was cut: {} of its frames are missing; the others are used", losses.path, lost);
+    return fmt::format("'{}' was cut: {} {} missing; the others are used", losses.path,
+                       counted(lost, "frame"), lost == 1 ? "is" : "are");
   return fmt::format("'{}' is damaged: {} of its frames do not decode, or depend on such, and are left out",
                      losses.path, lost);
 }
@@ -81,8 +82,8 @@ std::string described(const FootagePlan& plan) {
                   camera.framerate_hz, name(camera.layout), camera.bits);
   if (plan.times.origin == TimeOrigin::Exif) text += "times: as EXIF says, when each still was taken\n";
   if (!plan.times.trouble.empty())
-    text +=
-        fmt::format("times: at {:.4g} frames per second, for {}\n", camera.framerate_hz, plan.times.trouble);
+    text += fmt::format("times: at {:.4g} frames per second, because {}\n", camera.framerate_hz,
+                        plan.times.trouble);
   text += fmt::format("exposures: {}\n", described_exposures(plan));
   for (const FootageLosses& losses_of_file : plan.losses)
     text += fmt::format("warning: {}\n", describe(losses_of_file));

@@ -29,7 +29,7 @@ TimeOrigin take_exif_times(FootageScan& seen, std::string& trouble) {
   StillTimes times = times_of(seen.taken, files_of_frames(seen));
   trouble = std::move(times.trouble);
   if (times.since_first.empty() && trouble.empty() && seen.stills)
-    trouble = "none of them says in EXIF when it was taken";
+    trouble = "none of them states in EXIF when it was taken";
   if (times.since_first.empty()) return TimeOrigin::Files;
   for (std::size_t i = 0; i < seen.facts.size(); ++i) seen.facts[i].timestamp = times.since_first[i];
   return TimeOrigin::Exif;

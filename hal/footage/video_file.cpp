@@ -298,6 +298,7 @@ Result<void> VideoFile::check_codes(const AVPacket& packet) const {
 // A packet that was cut, and those that refer to it, stay outside.
 void VideoFile::send(const AVPacket& packet) {
   ++packets_;
+  if (packet.pos >= 0) end_byte_ = packet.pos + packet.size;
   const AVStream& track = *demuxer_->streams[track_];
   const std::int64_t begin = packet.pts != AV_NOPTS_VALUE ? packet.pts : packet.dts;
   const bool timed = packet.duration > 0 || track.avg_frame_rate.num <= 0;
@@ -330,17 +331,27 @@ bool VideoFile::is_whole() {
   return !awaits_key_frame_;
 }
 
+// Whether the file ends inside a frame, of Y4M, which states no number of frames: what is behind the last
+// whole one is longer than the head of a frame.
+bool VideoFile::ends_inside_frame() {
+  constexpr std::int64_t kLongestHead = 80;  // bytes, of FFmpeg's demuxer
+  if (std::string_view(demuxer_->iformat->name) != "yuv4mpegpipe" || packets_ == 0) return false;
+  const auto size = stream_.file().size();
+  return size && static_cast<std::int64_t>(size.value()) > end_byte_ + kLongestHead;
+}
+
 // By the list of pictures that MP4 and MOV have, elsewhere by the stated end.
-int VideoFile::missing_at_end() const {
+int VideoFile::missing_at_end() {
   const AVStream& track = *demuxer_->streams[track_];
   if (still_) return 0;
   if (std::string_view(demuxer_->iformat->name).starts_with("mov"))
     return std::max(0, avformat_index_get_entries_count(&track) - packets_);
   constexpr double kRounding = 0.1, kMost = 1e9;  // frames; times are in milliseconds
   const auto stated_s = stated_end_s(*demuxer_, track);
-  if (!stated_s || packets_ == 0) return 0;
+  if (!stated_s || packets_ == 0) return ends_inside_frame() ? 1 : 0;
   const double missing_s = *stated_s - static_cast<double>(end_) * av_q2d(track.time_base);
-  return static_cast<int>(std::clamp(missing_s * facts_.framerate_hz + kRounding, 0.0, kMost));
+  const int missing = static_cast<int>(std::clamp(missing_s * facts_.framerate_hz + kRounding, 0.0, kMost));
+  return missing == 0 && ends_inside_frame() ? 1 : missing;
 }
 
 // From the first frame: how its codes become RGB, and of a still which camera took it.

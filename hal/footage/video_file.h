@@ -43,7 +43,8 @@ class VideoFile : public PictureFile {
   void send(const AVPacket& packet);
   bool is_whole();
   void lose_until_key();
-  int missing_at_end() const;
+  bool ends_inside_frame();
+  int missing_at_end();
   Result<void> begin_codes();
   Error refused(ErrorCode code, const std::string& why) const;
 
@@ -60,6 +61,7 @@ class VideoFile : public PictureFile {
   bool awaits_key_frame_ = false, awaits_key_packet_ = false;  // what comes before it lacks what it refers to
   int packets_ = 0;                                            // of the track
   std::int64_t end_ = 0;                                       // of the latest of them, in ticks of the track
+  std::int64_t end_byte_ = 0;                                  // of the latest of them, in the file
 
   PictureFileFacts facts_;
   DecodedCodes codes_;

@@ -154,8 +154,9 @@ TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and t
   REQUIRE(import_verb(folder + " -o " + out).ok());
   const std::vector<double> times = times_in(out);
   for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(static_cast<double>(i) / 30).margin(1e-8));
-  CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s") &&
-                                 Contains("IMG_0.JPG' and '" + folder + "/IMG_1.JPG' are 0 s apart"));
+  CHECK_THAT(listed(folder),
+             Contains("times: at 30 frames per second, because EXIF has times in steps of 1 s") &&
+                 Contains("IMG_0.JPG' and '" + folder + "/IMG_1.JPG' are 0 s apart"));
 }
 
 TEST_CASE("a raw stream of H.264, which has no times, comes at its frame rate or at the one named") {
@@ -255,8 +256,9 @@ TEST_CASE("a pause of years is a loss of very many frames") {
 
 TEST_CASE("stills without any time come at the frame rate, and the list says so") {
   const std::string folder = write_bracket("import_no_times");
-  CHECK_THAT(listed(folder),
-             Contains("times: at 30 frames per second, for none of them says in EXIF when it was taken"));
+  CHECK_THAT(
+      listed(folder),
+      Contains("times: at 30 frames per second, because none of them states in EXIF when it was taken"));
 }
 
 TEST_CASE("a frame rate that no recording can have is refused") {

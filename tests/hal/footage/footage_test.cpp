@@ -606,6 +606,25 @@ TEST_CASE("what a cut AVI lacks is counted by the number of frames that its head
   }
 }
 
+TEST_CASE("a Y4M that ends inside a frame was cut, and one that ends behind a frame was not") {
+  const std::string path = sample::scratch_folder("footage_cut_y4m") + "/x.y4m";
+  constexpr int kFrames = 3;
+  {
+    std::ofstream file(path, std::ios::binary);
+    file << "YUV4MPEG2 W32 H32 F30:1 Ip A1:1 C444\n";
+    for (int i = 0; i < kFrames; ++i) file << "FRAME\n" << std::string(3 * 32 * 32, '\x80');
+  }
+  const Read whole = read({path});
+  CHECK(whole.losses.empty());
+  CHECK(whole.frames.size() == kFrames);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1000);
+  const Read cut = read({path});
+  CHECK_FALSE(cut.error);
+  CHECK(cut.frames.size() == kFrames - 1);
+  REQUIRE(cut.losses.size() == 1);
+  CHECK(cut.losses[0].lost.missing == 1);
+}
+
 TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   const std::string path = sample::scratch_folder("footage_cut_mp4") + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(30)).ok());
