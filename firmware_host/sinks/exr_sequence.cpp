@@ -32,7 +32,7 @@ std::optional<double> number(const std::map<std::string, std::string>& texts, co
 void describe(const ExrLayers& layers, LengthUnit length_unit, std::map<std::string, std::string>& texts) {
   texts["hdrcam.unit.RGB"] = "scene-linear radiance; 1 saturates the reference exposure";
   if (layers.depth)
-    texts["hdrcam.unit.Z"] = fmt::format("camera z; 1 is 1 {}; 0 is unknown", name(length_unit));
+    texts["hdrcam.unit.Z"] = fmt::format("camera z, 0 where unknown; unit: {}", name(length_unit));
   if (layers.flow)
     texts["hdrcam.unit.backward"] = "pixels to the previous frame; u to the right, v down; 0 in the first";
   if (layers.flow_forward)
