@@ -27,7 +27,7 @@ void RunLimits::add_to(CommandLine verb) {
     const auto seconds = seconds_of(text);
     return seconds ? fmt::format("{}", *seconds) : text;
   };
-  verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
+  verb.add_option("--timeout", timeout_s, "length of the run, such as 90s, or a number of seconds [until ^C]")
       .type_name("TEXT")
       .transform(in_seconds)
       .check([](const std::string& text) {

@@ -128,10 +128,10 @@ std::vector<SettingField> schedule_fields() {
           "what the cycle follows: the light (shortest exposure keeps the highlights, longest the shadows), "
           "or the error that the fit expects of noise, clipping and motion blur",
           {{"off", Adapt::Off}, {"light", Adapt::Light}, {"motion", Adapt::Motion}}),
-      choice<kGroup, &S::mains>(
-          "schedule.mains", "--mains",
-          "mains frequency in Hz (anti-flicker): long exposures become whole half periods",
-          {{"off", Mains::Off}, {"50", Mains::Hz50}, {"60", Mains::Hz60}}),
+      choice<kGroup, &S::mains>("schedule.mains", "--mains",
+                                "mains frequency in Hz (anti-flicker): long exposures become whole multiples "
+                                "of half a mains period",
+                                {{"off", Mains::Off}, {"50", Mains::Hz50}, {"60", Mains::Hz60}}),
   };
 }
 
@@ -162,7 +162,7 @@ std::vector<SettingField> sync_fields() {
       time<kGroup, &S::trigger_width>("sync.trigger_width", "--trigger-width",
                                       "width of a pulse that starts a frame"),
       time<kGroup, &S::trigger_gap>("sync.trigger_gap", "--trigger-gap",
-                                    "least time between two trigger pulses, in which the sensor reads out"),
+                                    "minimum time between two trigger pulses, in which the sensor reads out"),
       time<kGroup, &S::trigger_tolerance>(
           "sync.trigger_tolerance", "--trigger-tolerance",
           "a trigger pulse whose edge is later than this is late, and its frame is flagged"),
@@ -210,7 +210,9 @@ std::vector<SettingField> fit_fields() {
                                   {"best", Preset::Best}}),
       choice<kGroup, &F::emit>(
           "fit.emit", "--emit",
-          "HDR frames of the state with the field fitted beside it, of the state alone, or of the field",
+          "what HDR frames show: the state (radiance of each pixel) with the field (radiance in space) "
+          "fitted "
+          "beside it, the state alone, or the field alone",
           {{"merged", EmitLayer::Merged}, {"state", EmitLayer::State}, {"field", EmitLayer::Field}}),
       deadline_field(),
       flag_of_knob("look_ahead", "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
@@ -296,7 +298,7 @@ std::vector<SettingField> output_fields() {
   fields.push_back(choice<kGroup, &O::compression>(
       "output.compression", "--compression",
       "compression of the EXR files, all without loss: piz is the smallest, rle takes a third of its time; "
-      "auto: piz, but none beside a camera, which does not wait",
+      "auto: piz, or none in a run at a camera's pace",
       {{"auto", C::Auto}, {"piz", C::Piz}, {"zip", C::Zip}, {"rle", C::Rle}, {"none", C::None}}));
   fields.push_back(white_balance_field());
   fields.push_back(any<kGroup, &O::http_token>(
