@@ -8,6 +8,7 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <new>
 #include <ostream>
 #include <string_view>
 #include <vector>
@@ -262,6 +263,11 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     return end_with(Error{ErrorCode::Io,
                           "the system starts no further thread; raise the limit of processes (ulimit -u, or "
                           "TasksMax of a service), or end other programs"});
+  } catch (const std::bad_alloc&) {
+    tell(
+        "no memory is left; end other programs, raise the limit of memory (ulimit -v, or MemoryMax of a "
+        "service), or give --preset fast or smaller pictures");
+    return kExitInternal;
   } catch (const std::exception& bug) {
     return fail_internally(bug);
   }

@@ -6,12 +6,15 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <memory>
+#include <new>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
 #include "firmware_host/version.h"
+#include "hal/forwarding_storage.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/ran_here.h"
@@ -356,6 +359,17 @@ TEST_CASE("a thread that the system does not start is called so, and no bug of t
   const RanHere run = ran_here({"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", output});
   CHECK(run.exit_code == exit_code_of(ErrorCode::Io));
   CHECK_THAT(run.err, Contains("starts no further thread") && Contains("ulimit -u"));
+}
+
+TEST_CASE("a lack of memory is called so, and no internal error") {
+  struct FullMemory : ForwardingStorage {
+    using ForwardingStorage::ForwardingStorage;
+    Result<std::unique_ptr<StorageFile>> open(const std::string&) override { throw std::bad_alloc(); }
+  };
+  FullMemory full(posix_storage());
+  const RanHere run = ran_here({"info", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv"}, full);
+  CHECK(run.exit_code == kExitInternal);
+  CHECK_THAT(run.err, Contains("no memory is left") && !Contains("internal error"));
 }
 
 TEST_CASE("the installed program behaves as the one in this process") {
