@@ -23,6 +23,7 @@
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/version.h"
+#include "hal/core/cpu.h"
 
 namespace hdrcam {
 namespace {
@@ -257,6 +258,9 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     auto request = parse_command_line(args);
     if (!request) return end_with(request.error());
     if (!request->verb) return end_with(print(request->text, out));
+    if (const auto word = misnamed_instruction_set())
+      return end_with(Error{ErrorCode::Invalid,
+                            fmt::format("HDRCAM_ISA takes baseline, avx2 or avx512, not '{}'", *word)});
     return end_with(run_verb(request->verb, storage, stop));
   } catch (const std::system_error& refused) {
     if (refused.code() != std::errc::resource_unavailable_try_again) return fail_internally(refused);

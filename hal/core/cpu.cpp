@@ -55,6 +55,14 @@ const char* name(InstructionSet isa) {
   return "baseline";
 }
 
+std::optional<std::string> misnamed_instruction_set() {
+  const char* const word = std::getenv("HDRCAM_ISA");
+  if (word == nullptr || *word == '\0') return std::nullopt;
+  for (const InstructionSet isa : {InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512})
+    if (std::string_view(word) == name(isa)) return std::nullopt;
+  return word;
+}
+
 std::string cpu_model() {
 #if defined(__x86_64__)
   constexpr unsigned kFirstLeaf = 0x80000002, kLeaves = 3;  // 16 characters each

@@ -2,6 +2,7 @@
 // HDRCAM_ISA=baseline|avx2 lowers the choice to compare or to reproduce another machine's bytes.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace hdrcam {
@@ -11,6 +12,9 @@ enum class InstructionSet { Baseline, Avx2, Avx512 };
 // The best set that both this processor and the environment variable HDRCAM_ISA allow. Thread-safe.
 InstructionSet instruction_set();
 const char* name(InstructionSet isa);
+
+// What HDRCAM_ISA says, if it names no instruction set and so has no effect. Thread-safe.
+std::optional<std::string> misnamed_instruction_set();
 
 // The vendor's name of this processor, or its architecture where it reports none.
 std::string cpu_model();

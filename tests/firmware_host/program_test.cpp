@@ -361,6 +361,20 @@ TEST_CASE("a thread that the system does not start is called so, and no bug of t
   CHECK_THAT(run.err, Contains("starts no further thread") && Contains("ulimit -u"));
 }
 
+TEST_CASE("an instruction set that does not exist is refused, as the run would not be the one asked for") {
+  const char* const before = std::getenv("HDRCAM_ISA");
+  const std::string kept = before == nullptr ? "" : before;
+  const std::vector<std::string> info{"info", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv"};
+  REQUIRE(setenv("HDRCAM_ISA", "basline", 1) == 0);
+  const RanHere misnamed = ran_here(info);
+  REQUIRE(setenv("HDRCAM_ISA", "baseline", 1) == 0);
+  const RanHere named = ran_here(info);
+  REQUIRE((before == nullptr ? unsetenv("HDRCAM_ISA") : setenv("HDRCAM_ISA", kept.c_str(), 1)) == 0);
+  CHECK(misnamed.exit_code == kExitUsage);
+  CHECK_THAT(misnamed.err, Contains("HDRCAM_ISA takes baseline, avx2 or avx512, not 'basline'"));
+  CHECK(named.exit_code == kExitOk);
+}
+
 TEST_CASE("a lack of memory is called so, and no internal error") {
   struct FullMemory : ForwardingStorage {
     using ForwardingStorage::ForwardingStorage;
