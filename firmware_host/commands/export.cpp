@@ -58,9 +58,10 @@ Result<void> check_files(Storage& storage, const ExportOptions& options) {
   std::vector<NamedOutput> outputs{
       {"--output", options.folder + "/" + ImageSequence::kFile, OutputKind::Document},
       {"--output", options.pictures(), OutputKind::Frames},
-      {"--transforms", options.transforms_path()}};
+      {"--transforms", options.transforms_path(), OutputKind::Poses}};
   for (const std::string_view file : kColmapFiles)
-    outputs.push_back({"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : ""});
+    outputs.push_back(
+        {"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : "", OutputKind::Poses});
   return options.kept.check(storage, {{"the recording that is read", options.recording}}, outputs);
 }
 

@@ -33,6 +33,7 @@ NamedOutput file_of(const SinkKind& sink, const std::string& path) {
   const std::string flag = long_flag_of(sink);
   if (is_video(sink, path)) return {flag, path, OutputKind::Recording};
   if (sink.extension != nullptr) return {flag, path, OutputKind::Frames, sink.extension};
+  if (sink.name == sink_name::kTransforms) return {flag, path, OutputKind::Poses};
   const bool picture = sink.name == sink_name::kSheet;
   return {flag, path, picture ? OutputKind::Picture : OutputKind::Page};
 }
@@ -40,7 +41,7 @@ NamedOutput file_of(const SinkKind& sink, const std::string& path) {
 std::vector<NamedOutput> files_of_model(const SinkKind& sink, const std::string& folder) {
   std::vector<NamedOutput> files;
   for (const std::string_view file : kColmapFiles)
-    files.push_back({long_flag_of(sink), fmt::format("{}/{}", folder, file)});
+    files.push_back({long_flag_of(sink), fmt::format("{}/{}", folder, file), OutputKind::Poses});
   return files;
 }
 

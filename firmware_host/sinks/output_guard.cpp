@@ -99,8 +99,8 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
                  fmt::format("{} '{}' exists already and is numbered as a frame is; name another file, or "
                              "replace it with --force",
                              place.words, place.path)};
-  const bool is_kept =
-      kind == OutputKind::Recording || kind == OutputKind::Scene || kind == OutputKind::Document;
+  const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Scene ||
+                       kind == OutputKind::Document || kind == OutputKind::Poses;
   if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another place, or replace it "
                                                 "with --force",

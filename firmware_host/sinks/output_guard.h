@@ -26,6 +26,7 @@ enum class OutputKind {
   Recording,  // an earlier take stays unless --force
   Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
   Scene,      // a snapshot: an earlier one stays unless --force
+  Poses,      // of the pictures, for other tools: earlier ones, of whatever program, stay unless --force
   Page,       // statistics, a report: every run replaces them
   Picture,    // a page that is a PNG, such as a contact sheet; a numbered PNG stays unless --force
 };

@@ -244,6 +244,22 @@ TEST_CASE("no page, sheet, list or snapshot takes the place of a recording or a 
   }
 }
 
+TEST_CASE("poses for other tools stay without --force, whoever made them") {
+  const std::string folder = sample::scratch_folder("kept_poses"), transforms = folder + "/transforms.json",
+                    points = folder + "/points3D.txt";
+  put(transforms, "poses of another program");
+  put(points, "points of another program");
+  for (const auto& [flag, path] : {std::pair("--transforms", transforms), {"--colmap", folder}}) {
+    INFO(flag);
+    const RanHere run =
+        ran_here({"replay", kDemo, "--preset", "fast", "--preview", folder + "/new/%06d.png", flag, path});
+    CHECK(run.exit_code == exit_code_of(ErrorCode::Exists));
+    CHECK_THAT(run.err, Contains(flag) && Contains("--force"));
+  }
+  CHECK(text_of(transforms) == "poses of another program");
+  CHECK(text_of(points) == "points of another program");
+}
+
 TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {
   const std::string folder = sample::scratch_folder("kept_video"), video = folder + "/depth.mp4";
   const float depth[4] = {1, 2, 3, 4};

@@ -134,6 +134,20 @@ TEST_CASE("a document is replaced with --force only, and never stands in for a r
                 ErrorCode::Invalid);
 }
 
+TEST_CASE("poses take the place of poses with --force only, and of no file of another kind") {
+  const Desk desk("guard_poses");
+  desk.put("transforms.json"), desk.put("sparse/points3D.txt"), desk.put("clip.json"), desk.put("take.mkv");
+  for (const char* poses : {"transforms.json", "sparse/points3D.txt"}) {
+    INFO(poses);
+    const std::vector<NamedOutput> outputs{{"--transforms", poses, OutputKind::Poses}};
+    require_error(desk.check(outputs), ErrorCode::Exists);
+    require_done(desk.check(outputs, Overwrite::Force));
+  }
+  for (const char* other : {"clip.json", "take.mkv"})
+    require_error(desk.check({{"--transforms", other, OutputKind::Poses}}, Overwrite::Force),
+                  ErrorCode::Invalid);
+}
+
 TEST_CASE("a contact sheet takes the place of a numbered picture with --force only") {
   const Desk desk("guard_numbered");
   for (const char* picture : {"out/000001.png", "frame_0041.png", "IMG_1234.PNG"}) {
