@@ -367,8 +367,7 @@ void add_import(CommandLine program, Verb& chosen) {
   FootageRequest& footage = options->footage;
   verb.add_option(
           "footage", footage.files,
-          "videos and pictures, or a folder of them; with a clip.json that says each exposure, it or its "
-          "folder")
+          "videos and pictures, or a folder of them; or a clip.json that states each exposure, or its folder")
       .required()
       .check(names_file);
   verb.add_option("-o,--output", options->output, "the recording to write (.mkv)").check(names_file);
@@ -377,10 +376,9 @@ void add_import(CommandLine program, Verb& chosen) {
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
       "relative [as EXIF states them]");
   verb.add_option("--gain", footage.gain, "gain of each exposure, ISO / 100, or one for all [1]");
-  verb.add_option(
-          "--framerate", footage.framerate_hz,
-          "frames per second of stills [when EXIF says they were taken, else 30] and of a video without "
-          "times [as it states]")
+  verb.add_option("--framerate", footage.framerate_hz,
+                  "frames per second of stills [as the times of EXIF show, else 30] and of a video without "
+                  "times [as it states]")
       .check(takes_framerate);
   verb.add_switch("--list", options->list, "say what would be imported, and write nothing");
   verb.add_switch("--strict", options->strict,
