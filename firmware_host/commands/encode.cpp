@@ -170,7 +170,7 @@ Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> file
     if (last_s && time_s && *time_s <= *last_s)
       return Error{
           ErrorCode::Invalid,
-          fmt::format("'{}' is no later than '{}' before it: they are of two takes; move the frames of "
+          fmt::format("'{}' is not later than '{}' before it: they are of two takes; move the frames of "
                       "one into a folder of their own",
                       file.path, last->path)};
     if (time_s) last_s = time_s, last = &file;
@@ -186,7 +186,7 @@ Result<void> check_video_named(const std::string& output) {
                  "--help'"};
   if (output != kStandardOutput && !video_container_of(output))
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' is no name of a video; give -o x.mp4 (.mov, .mkv), or - for "
+                 fmt::format("'{}' is not the name of a video; give -o x.mp4 (.mov, .mkv), or - for "
                              "the standard output",
                              output)};
   return {};

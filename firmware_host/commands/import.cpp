@@ -217,7 +217,7 @@ Result<FootageRequest> with_files(Storage& storage, FootageRequest request) {
     const AsRecording recording = as_recording(storage, file);
     if (recording.damaged)
       return Error{recording.damaged->code,
-                   fmt::format("{}; a damaged recording is no footage", recording.damaged->message)};
+                   fmt::format("{}; a damaged recording is not footage", recording.damaged->message)};
     if (recording.whole)
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is a recording already; use it as it is: hdrcam replay {}", file,
@@ -342,7 +342,7 @@ Result<void> check_source_flags(const ImportOptions& options, bool clip) {
                     footage.files.front())};
   if (!clip && options.allow_outside)
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' is no clip.json and no folder of one; leave out --allow-outside",
+                 fmt::format("'{}' is neither a clip.json nor a folder with one; leave out --allow-outside",
                              footage.files.front())};
   if (!footage.gain.empty() && footage.shutter == kAutoShutter)
     return Error{ErrorCode::Invalid, "--shutter auto estimates whole exposures; leave out --gain"};

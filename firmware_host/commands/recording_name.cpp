@@ -10,9 +10,10 @@ namespace hdrcam {
 Result<void> check_recording_name(Storage& storage, const char* flag, const std::string& path) {
   if (path.empty() || video_container_of(path) == VideoContainer::Matroska) return {};
   if (TRY(storage.look_at(path)).kind == FileKind::Other) return {};
-  return Error{ErrorCode::Invalid,
-               fmt::format("{} '{}' is no name of a recording, which is a Matroska file; name it as walk.mkv",
-                           flag, path)};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("{} '{}' is not the name of a recording, which is a Matroska file; name it like walk.mkv",
+                  flag, path)};
 }
 
 std::string describe_recording(const std::string& path, const CameraFacts& camera, std::uint64_t frames) {

@@ -54,7 +54,7 @@ Error unknown_column(const std::string& where, const std::string& name) {
 
 Error no_text(const std::string& path) {
   return {ErrorCode::Invalid,
-          fmt::format("'{}' is no path of a view: it is no text; write CSV with a line of "
+          fmt::format("'{}' is not a path of views: it is not text; write CSV with a line of "
                       "names, such as time_s,dx, or JSON",
                       path)};
 }
@@ -105,7 +105,7 @@ Result<Row> row_of(const std::string& where, const std::vector<std::string>& cel
     const auto value = number_of(cells[i]);
     if (!value)
       return Error{ErrorCode::Invalid,
-                   fmt::format("{}: '{}' is no number for {}", where, cells[i], kColumns[columns[i]])};
+                   fmt::format("{}: '{}' is not a number for {}", where, cells[i], kColumns[columns[i]])};
     row[columns[i]] = *value;
   }
   TRY(check(where, row));
@@ -134,13 +134,14 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
   if (!json.is_array())
     return Error{
         ErrorCode::Invalid,
-        fmt::format("'{}' is no JSON array of poses, such as [{{\"time_s\": 0, \"dx\": 0.1}}]", path)};
+        fmt::format("'{}' is not a JSON array of poses, such as [{{\"time_s\": 0, \"dx\": 0.1}}]", path)};
   if (const auto name = repeated_key<nlohmann::json>(text))
     return Error{ErrorCode::Invalid, fmt::format("{}: a pose names {} twice; name it once", path, *name)};
   std::vector<Row> rows;
   for (const auto& entry : json) {
     const std::string where = fmt::format("{}, pose {}", path, rows.size());
-    if (!entry.is_object()) return Error{ErrorCode::Invalid, where + ": is no object with time_s, dx, .."};
+    if (!entry.is_object())
+      return Error{ErrorCode::Invalid, where + ": is not an object with time_s, dx, .."};
     if (!entry.contains("time_s"))
       return Error{ErrorCode::Invalid, where + ": has no time_s, its time in the film in seconds"};
     Row row{};
@@ -149,7 +150,7 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
       if (column == kColumns.size()) return unknown_column(where, name);
       if (!value.is_number())
         return Error{ErrorCode::Invalid,
-                     fmt::format("{}: '{}' is no number for {}", where, json_text(value), name)};
+                     fmt::format("{}: '{}' is not a number for {}", where, json_text(value), name)};
       row[column] = value.get<double>();
     }
     TRY(check(where, row));
@@ -220,7 +221,7 @@ Result<ViewPath> ViewPath::parse_view(std::string_view text) {
     const auto angle = number_of(parts[i]);
     if (!angle)
       return Error{ErrorCode::Invalid,
-                   fmt::format("--view: '{}' is no angle in degrees for {}", parts[i], kColumns[column])};
+                   fmt::format("--view: '{}' is not an angle in degrees for {}", parts[i], kColumns[column])};
     row[column] = *angle;
   }
   TRY(check("--view", row));

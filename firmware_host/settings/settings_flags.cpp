@@ -135,7 +135,7 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
     if (text.find('\0') != std::string::npos)
       return Error{
           ErrorCode::Invalid,
-          fmt::format("'{}' is no file of settings, which is text in TOML; --print-config prints one",
+          fmt::format("'{}' is not a file of settings, which is text in TOML; --print-config prints one",
                       given_->config)};
     TRY(read_toml(text, given_->config, settings));
   }

@@ -243,7 +243,7 @@ Image<std::uint8_t> ContactSheet::composed() const {
 Result<std::unique_ptr<FrameSink>> create_contact_sheet(Storage& storage, const std::string& path) {
   if (!path.ends_with(".png"))
     return Error{ErrorCode::Invalid,
-                 fmt::format("--sheet '{}' is no name of a PNG picture; name it as sheet.png", path)};
+                 fmt::format("--sheet '{}' is not the name of a PNG picture; name it sheet.png", path)};
   TRY(make_folder_of(storage, path));
   return std::unique_ptr<FrameSink>(std::make_unique<ContactSheet>(storage, path));
 }

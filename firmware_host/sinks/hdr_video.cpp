@@ -155,7 +155,8 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
   TRY(check_video(options));
   const auto container = video_container_of(path);
   if (!container)
-    return Error{ErrorCode::Invalid, fmt::format("'{}' is no name of a video; .mp4, .mov or .mkv are", path)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is not the name of a video; name it film.mp4 (.mov, .mkv)", path)};
   if (FramePattern::is_one(path))
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' numbers frames, and a video is one file; give out.mp4, "

@@ -15,8 +15,9 @@ namespace {
 constexpr std::string_view kLoopback = "127.0.0.1";
 
 Error not_an_address(std::string_view text) {
-  return {ErrorCode::Invalid,
-          fmt::format("'{}' is no address to listen on; write ADDRESS:PORT, such as 127.0.0.1:8080", text)};
+  return {
+      ErrorCode::Invalid,
+      fmt::format("'{}' is not an address to listen on; write ADDRESS:PORT, such as 127.0.0.1:8080", text)};
 }
 
 bool is_ipv4(const std::string& host) {

@@ -75,8 +75,8 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = a; b < 3; ++b)
       if (std::abs(product(a, b) - (a == b ? 1 : 0)) > kMostDeviation)
-        return fmt::format("the pose is no rotation: the product of its rows {} and {} is {:g}, not {}", a, b,
-                           product(a, b), a == b ? 1 : 0);
+        return fmt::format("the pose is not a rotation: the product of its rows {} and {} is {:g}, not {}", a,
+                           b, product(a, b), a == b ? 1 : 0);
   const double determinant = T[0] * (T[5] * T[10] - T[6] * T[9]) - T[1] * (T[4] * T[10] - T[6] * T[8]) +
                              T[2] * (T[4] * T[9] - T[5] * T[8]);
   if (determinant < 0)

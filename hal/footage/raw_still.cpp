@@ -203,7 +203,7 @@ class RawStill : public PictureFile {
     if (codes == nullptr || raw.imgdata.idata.filters < 1000 ||
         !layout)  // small numbers are X-Trans and the like
       return Error{ErrorCode::Unsupported,
-                   fmt::format("'{}' is no Bayer mosaic; develop it to 16-bit TIFF or PNG first", path)};
+                   fmt::format("'{}' is not a Bayer mosaic; develop it to 16-bit TIFF or PNG first", path)};
     if (reaches_beyond(sizes))
       return Error{
           ErrorCode::Corrupt,
@@ -281,7 +281,7 @@ Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std:
             path)};
   if (opened != LIBRAW_SUCCESS)
     return Error{ErrorCode::NotRecording,
-                 fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(opened))};
+                 fmt::format("'{}' is not a raw still that LibRaw knows: {}", path, libraw_strerror(opened))};
   if (mixes_tiles(*raw))
     return Error{
         ErrorCode::Unsupported,

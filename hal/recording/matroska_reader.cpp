@@ -71,8 +71,9 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   const std::size_t known = TRY(container.stream->file().read_at(0, head));
   if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known),
                   matroska::kFileHead.begin()))
-    return Error{ErrorCode::NotRecording,
-                 fmt::format("'{}' is not a recording: it is no Matroska file; {}", path, kImportMakesOne)};
+    return Error{
+        ErrorCode::NotRecording,
+        fmt::format("'{}' is not a recording: it is not a Matroska file; {}", path, kImportMakesOne)};
 
   StorageFile& file = container.stream->file();
   const std::optional<std::uint64_t> end = TRY(end_of_whole(file));

@@ -329,7 +329,7 @@ TEST_CASE("a file where a folder belongs, no calibration, and a recording as set
              Contains("is a file; name a clip with clip.json"));
   CHECK_THAT(refused({"compare", ".", recording}), Contains("is a file; name the folder"));
   CHECK_THAT(refused({"calibrate"}), Contains("give 'hdrcam calibrate delay'"));
-  CHECK_THAT(refused({"replay", recording, "--config", recording}), Contains("is no file of settings"));
+  CHECK_THAT(refused({"replay", recording, "--config", recording}), Contains("is not a file of settings"));
 }
 
 TEST_CASE("--timeout takes a duration as well as a number of seconds") {

@@ -12,7 +12,7 @@ Result<Loader> loader() {
     return Error{ErrorCode::NotFound, "there is no Vulkan loader; install libvulkan1 and a driver"};
   const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
   if (get == nullptr)
-    return Error{ErrorCode::NotFound, "libvulkan.so.1 is no Vulkan loader; install libvulkan1 anew"};
+    return Error{ErrorCode::NotFound, "libvulkan.so.1 is not a Vulkan loader; reinstall libvulkan1"};
   return Loader{get};
 }
 

@@ -189,8 +189,8 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
                 ErrorCode::Invalid, "--http-token has 7 characters; give 8 or more");
   check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
   check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
-  check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it as walk.mkv");
-  check_refused({"live", "--camera", sim, "--record", "x.mp4"}, ErrorCode::Invalid, "name it as walk.mkv");
+  check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it like walk.mkv");
+  check_refused({"live", "--camera", sim, "--record", "x.mp4"}, ErrorCode::Invalid, "name it like walk.mkv");
   check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
                 "/proc/nonexistent");
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");

@@ -378,7 +378,7 @@ TEST_CASE("frames whose time does not go on are of two takes, and no video is ma
   }
   const RanHere joined = ran_here({"encode", folder + "/%04d.exr", "-o", folder + "/joined.mp4"});
   CHECK(joined.exit_code == exit_code_of(ErrorCode::Invalid));
-  CHECK_THAT(joined.err, Contains("0003.exr' is no later than") && Contains("0002.exr' before it"));
+  CHECK_THAT(joined.err, Contains("0003.exr' is not later than") && Contains("0002.exr' before it"));
   CHECK_FALSE(std::filesystem::exists(folder + "/joined.mp4"));
   CHECK(ran_here({"encode", folder + "/untimed_%04d.exr", "-o", folder + "/untimed.mp4"}).exit_code == 0);
 }

@@ -267,7 +267,7 @@ TEST_CASE("a recording that is cut or damaged before its first frame is called s
     CHECK_THAT(imported.output, Contains("warning: " + reason + "; this damaged recording is left out"));
     check_labels(out + "/x.mkv", filmed(0, 9, {}));
     CHECK(sample::error_of(import_verb(stub + " --shutter auto -o " + out + "/y.mkv")).message ==
-          reason + "; a damaged recording is no footage");
+          reason + "; a damaged recording is not footage");
   }
 }
 

@@ -355,7 +355,7 @@ TEST_CASE("a recording is named .mkv, so that no other program takes it for what
     for (const std::string& verb : {"repair " + folder + "/x.mkv", "import " + folder + "/clip"}) {
       const Error refused = sample::error_of(hdrcam_verb(verb + " -o " + folder + name));
       CHECK(refused.code == ErrorCode::Invalid);
-      CHECK(refused.message.find("is no name of a recording") != std::string::npos);
+      CHECK(refused.message.find("is not the name of a recording") != std::string::npos);
       CHECK_FALSE(std::filesystem::exists(folder + name));
     }
   CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/y.MKV").ok());

@@ -273,7 +273,7 @@ TEST_CASE("the video of a film of 8-bit pictures is a video, and replaces no pic
   const std::string text = "an earlier picture";
   REQUIRE(write_whole(posix_storage(), kept, std::as_bytes(std::span(text))).ok());
   CHECK_THAT(refusal({"--ldr", "--time", "0.2", "--set", "steps=1", "--video", folder + "/%06d.png"}),
-             Contains("is no name of a video"));
+             Contains("is not the name of a video"));
   CHECK(read_whole(posix_storage(), kept).value() == text);
 }
 

@@ -163,7 +163,7 @@ TEST_CASE("a clip with truth is replaced with --force only, and no recording tak
     const Ran mixed = run_simulate(
         fmt::format("'walk?size=32x32' --truth {0}/new -o {0}/new/{1} --frames 2", folder, file));
     CHECK(mixed.exit_code == 2);
-    CHECK(mixed.output.find("is no name of a recording") != std::string::npos);
+    CHECK(mixed.output.find("is not the name of a recording") != std::string::npos);
   }
   CHECK_FALSE(std::filesystem::exists(folder + "/new"));
 }

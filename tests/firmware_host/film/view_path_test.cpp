@@ -62,7 +62,7 @@ TEST_CASE("an invalid view is refused with an example of a valid one", "[film]")
   CHECK_THAT(refusal(ViewPath::parse_view("1,2,x")), Contains("'x'"));
   CHECK_THAT(refusal(ViewPath::parse_view("1,2,nan")), Contains("'nan'"));
   CHECK_THAT(refusal(ViewPath::parse_view("0,0,0,ten,0,0")),
-             Contains("'ten' is no angle in degrees for yaw"));
+             Contains("'ten' is not an angle in degrees for yaw"));
   CHECK_THAT(refusal(ViewPath::parse_view("1e9,0,0")), Contains("--view"));
 }
 
@@ -100,7 +100,7 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   const auto read = [](const char* name, const char* text) {
     return refusal(ViewPath::read_path(posix_storage(), file_with(name, text)));
   };
-  CHECK_THAT(read("a.csv", "time_s,dx\n0,1\n1,two\n"), Contains("a.csv:3: 'two' is no number for dx"));
+  CHECK_THAT(read("a.csv", "time_s,dx\n0,1\n1,two\n"), Contains("a.csv:3: 'two' is not a number for dx"));
   CHECK_THAT(read("b.csv", "time_s,yau\n0,1\n"),
              Contains("b.csv:1: unknown name 'yau' (did you mean 'yaw'?)"));
   CHECK_THAT(read("c.csv", "time_s,dx\n0,1,2\n"), Contains("c.csv:2: 3 values, but the first line names 2"));
@@ -109,7 +109,7 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK_THAT(read("k.csv", "dx,dy\n0,1\n"), Contains("k.csv:1: names no time_s"));
   CHECK_THAT(read("m.csv", "time_s,dx,dx\n0,1,2\n"), Contains("m.csv:1: names dx twice"));
   CHECK_THAT(read("e.csv", ""), Contains("has no poses"));
-  CHECK_THAT(read("f.json", "{\"time_s\": 0}"), Contains("is no JSON array of poses"));
+  CHECK_THAT(read("f.json", "{\"time_s\": 0}"), Contains("is not a JSON array of poses"));
   CHECK_THAT(read("g.json", "[{\"time_s\": 0, \"dx\": \"1\"}]"), Contains("pose 0"));
   CHECK_THAT(read("l.json", "[{\"time_s\": 0}, {\"dx\": 1}]"), Contains("l.json, pose 1: has no time_s"));
   CHECK_THAT(read("n.json", "[{\"time_s\": 0}, {\"time_s\": 1, \"dx\": 1, \"dx\": 1}]"),
@@ -118,7 +118,7 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK_THAT(read("i.csv", "time_s;dx\n0;0,1\n"), Contains("i.csv:1: the values are separated by ';'"));
   const std::string bytes("\x1a\x45\xdf\xa3\0\0,\x01", 8);
   CHECK_THAT(refusal(ViewPath::read_path(posix_storage(), file_with("j.mkv", bytes))),
-             Contains("j.mkv' is no path of a view: it is no text"));
+             Contains("j.mkv' is not a path of views: it is not text"));
   CHECK(ViewPath::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
 }
 

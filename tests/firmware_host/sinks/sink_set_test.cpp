@@ -77,7 +77,7 @@ TEST_CASE("the standard output takes frames alone, and a sheet is a PNG picture"
   CHECK(refusal("report", "-").starts_with("--report - would write"));
   const std::string sheet = sample::scratch_folder("sink_names") + "/s.jpg";
   CHECK(refusal("sheet", sheet) ==
-        "--sheet '" + sheet + "' is no name of a PNG picture; name it as sheet.png");
+        "--sheet '" + sheet + "' is not the name of a PNG picture; name it sheet.png");
 }
 
 TEST_CASE("a sink without a path is not opened, and one that cannot be opened says why") {

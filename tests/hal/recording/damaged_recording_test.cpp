@@ -246,7 +246,7 @@ TEST_CASE("a file that is not a recording is said to be none") {
     const auto replayed = sample::replay(posix_storage(), path);
     CHECK(replayed.ended_with(ErrorCode::NotRecording));
     CHECK(replayed.error->message == "'" + path +
-                                         "' is not a recording: it is no Matroska file; 'hdrcam "
+                                         "' is not a recording: it is not a Matroska file; 'hdrcam "
                                          "import' makes a recording of pictures, videos and clips");
   }
   SECTION("it is noise") {
