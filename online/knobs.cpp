@@ -28,7 +28,9 @@ Result<const Knob*> find_knob(std::string_view name) {
 }  // namespace
 
 std::string accepted_values(const Knob& knob) {
-  if (knob.kind == KnobKind::Choice) return fmt::format("{}", fmt::join(knob.choices, ", "));
+  if (knob.kind == KnobKind::Choice)
+    return fmt::format("{} or {}", fmt::join(knob.choices.begin(), knob.choices.end() - 1, ", "),
+                       knob.choices.back());
   std::string text = fmt::format(
       "{}, {:g}..{:g}", knob.kind == KnobKind::Whole ? "a whole number" : "a number", knob.least, knob.most);
   if (*knob.unit != '\0') text += fmt::format(" {}", knob.unit);

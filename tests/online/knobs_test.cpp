@@ -62,7 +62,7 @@ TEST_CASE("a value beyond the range, of another kind or for no knob is refused w
       {"rays_per_step=100", "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
       {"static_levels=7", "static_levels takes a whole number, 2..16 levels, a multiple of 2, not '7'"},
       {"dynamic_levels=1", "dynamic_levels takes a whole number, 2..16 levels, a multiple of 2, not '1'"},
-      {"flow=finest", "flow takes coarse, fast, medium, fine, not 'finest'"},
+      {"flow=finest", "flow takes coarse, fast, medium or fine, not 'finest'"},
       {"step=10", "there is no knob 'step'; there are"},
       {"steps", "'steps' has no value; write NAME=VALUE, such as steps=100"},
   };
