@@ -38,7 +38,9 @@ std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
   std::string sentence = refused.what();
   if (sentence.starts_with("Could not convert: ")) return number_needed(place, sentence);
   if (sentence.starts_with("A subcommand is required"))
-    return fmt::format("{} needs '{}'", place.get_name(), fmt::join(names_of_verbs(place), "' or '"));
+    return place.get_parent() == nullptr
+               ? "no verb given"
+               : fmt::format("{} needs '{}'", place.get_name(), fmt::join(names_of_verbs(place), "' or '"));
   const std::string first_word = sentence.substr(0, sentence.find_first_of(": "));
   for (const CLI::Option* option : place.get_options()) {
     const std::string name = option->get_name();

@@ -203,6 +203,7 @@ TEST_CASE("the mark that ends the flags is not called an unknown one") {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"info", "--"}, {"repair", "--", "no.mkv"}})
     CHECK_THAT(ran_here(words).err, Contains(" is required; see 'hdrcam ") && !Contains("unknown flag"));
+  CHECK_THAT(ran_here({"--"}).err, Contains("no verb given; see 'hdrcam --help'"));
   CHECK_THAT(ran_here({"info", "--", "no.mkv", "other.mkv"}).err,
              Contains("unexpected argument 'other.mkv'"));
 }
