@@ -91,7 +91,6 @@ void print_frames(const ClipScores& scores) {
 
 // Not the HDR frames in its place.
 Result<void> check_clip(Storage& storage, const std::string& folder) {
-  TRY(check_clip_folder(storage, folder));
   const bool clip = TRY(storage.look_at(folder + "/" + ImageSequence::kFile)).kind != FileKind::Missing;
   if (clip || TRY(storage.look_at(folder)).kind != FileKind::Folder) return {};
   return Error{ErrorCode::NotFound,
@@ -101,8 +100,9 @@ Result<void> check_clip(Storage& storage, const std::string& folder) {
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
-  TRY(check_clip(around.storage, flags.clip));
+  TRY(check_clip_folder(around.storage, flags.clip));
   TRY(check_folder(around.storage, flags.estimates, "the folder with its HDR frames"));
+  TRY(check_clip(around.storage, flags.clip));
   TRY(flags.kept.check(around.storage, files_of_clip(flags.clip), {flags.json.output()}));
   const FreedPicturesStay stay;
   const ClipScores scores =

@@ -121,20 +121,17 @@ class CodeStretch {
  public:
   // own_white: of this file.
   CodeStretch(unsigned white, unsigned own_white, int bits)
-      : largest_((1u << bits) - 1),
-        by_(static_cast<double>(largest_) / std::max(1u, white)),
-        codes_(1u << 16) {
+      : largest_((1u << bits) - 1), white_(std::max(1u, white)), codes_(1u << 16) {
     for (unsigned code = 0; code < codes_.size(); ++code)
       codes_[code] = static_cast<std::uint16_t>(
-          code >= own_white ? largest_ : std::min<long>(std::lround(code * by_), largest_));
+          code >= own_white ? largest_ : std::min(std::round(level(code)), largest_));
   }
 
   std::uint16_t code(ushort of_file) const { return codes_[of_file]; }
-  double level(double of_file) const { return of_file * by_; }
+  double level(double of_file) const { return of_file * largest_ / white_; }
 
  private:
-  long largest_;
-  double by_;
+  double largest_, white_;
   std::vector<std::uint16_t> codes_;
 };
 

@@ -148,7 +148,7 @@ TEST_CASE("exposures shifted by a frame, or told in reverse, are found from the 
         CHECK(facts.exposure_s == true_exposure_s(scene, facts));
     CHECK(result.counters.relabelled + result.counters.proved >= 23);
     REQUIRE_FALSE(result.warnings.empty());
-    CHECK(result.warnings.front().find("relabelled by their pictures; frame ") != std::string::npos);
+    CHECK(result.warnings.front().find("relabelled from the pictures; frame ") != std::string::npos);
   }
 }
 

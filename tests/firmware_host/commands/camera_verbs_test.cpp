@@ -202,7 +202,7 @@ TEST_CASE("wrong exposures of a clip are put right by import, replay and live, o
     for (const auto& frame : json["per_frame"])
       wrong += frame["exposure"].get<double>() != Approx(cycle[frame["sequence"].get<int>() % 3]);
     CHECK(json["per_frame"].size() >= 16);
-    CHECK(json["notes"].dump().find("relabelled by their pictures") != std::string::npos);
+    CHECK(json["notes"].dump().find("relabelled from the pictures") != std::string::npos);
     return wrong;
   };
   const std::string stats = folder + "/stats.json";

@@ -306,7 +306,7 @@ TEST_CASE("flags that would not be heeded are refused") {
   const auto outside = import_verb(path + " --shutter 1ms,4ms,16ms --list --allow-outside");
   CHECK(sample::error_of(outside).code == ErrorCode::Invalid);
   CHECK_THAT(sample::error_of(outside).message,
-             Contains("no clip.json") && Contains("leave out --allow-outside"));
+             Contains("neither a clip.json") && Contains("leave out --allow-outside"));
   std::ofstream(folder + "/clip.json") << "{}";
   const auto clip = import_verb(folder + " --shutter 1ms,4ms,16ms -o " + folder + "/y.mkv");
   CHECK(sample::error_of(clip).code == ErrorCode::Invalid);
