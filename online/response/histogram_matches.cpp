@@ -91,6 +91,12 @@ class Ranking {
                  upper = std::min(p.upper, p.code + kWidestGap / 2);
     return lower + (upper - lower) * std::clamp(within, 0.0, 1.0);
   }
+  // The code above all of this share of the pixels.
+  double code_above(double share) const { return plateau(share).upper; }
+  double share_of_white() const {
+    const auto white = std::upper_bound(codes_.begin(), codes_.end(), kUsable.brightest);
+    return static_cast<double>(codes_.end() - white) / size();
+  }
 
  private:
   // codes that no pixel has, between two that are neighbours: light that the scene has not, wherever in the
@@ -133,10 +139,11 @@ bool too_few(const std::vector<CodeMatch>& matches, double expected) {
 }
 
 // Of a stream that goes on.
-void keep_newest(std::vector<CodeMatch>& matches) {
-  constexpr std::size_t kMost = 25 * std::size_t{HistogramMatches::kQuantiles};
-  if (matches.size() > kMost)
-    matches.erase(matches.begin(), matches.end() - static_cast<std::ptrdiff_t>(kMost));
+constexpr std::size_t kMostFrames = 25;  // pairs of them
+
+template <class Found>
+void keep_newest(std::vector<Found>& found, std::size_t most) {
+  if (found.size() > most) found.erase(found.begin(), found.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 void keep_newest(HistogramMatches::OfChannel& matches) {
@@ -145,19 +152,14 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
         std::ranges::min_element(matches, {}, [](const auto& entry) { return entry.second.newest; }));
 }
 
-// scratch: room for sorting, which one pair of frames needs six times.
-std::vector<CodeMatch> matches_between(std::vector<float> shorter, std::vector<float> longer,
-                                       std::vector<float>& scratch) {
-  const Ranking dark(std::move(shorter), scratch), light(std::move(longer), scratch);
-  std::vector<CodeMatch> found;
-  for (int q = 1; q < HistogramMatches::kQuantiles; ++q) {
-    const auto boundary = dark.boundary_near(static_cast<double>(q) / HistogramMatches::kQuantiles);
-    if (!boundary || boundary->share <= kDarkShare || boundary->share >= 1 - kDarkShare) continue;
-    const std::optional<double> other = light.code_at(boundary->share);
-    if (other && *other >= boundary->code)
-      found.push_back({static_cast<float>(boundary->code), static_cast<float>(*other)});
-  }
-  return found;
+// Codes of `dark` from which on `light` is white; none where white, or all else, is hardly seen: motion
+// between the frames moves shares.
+std::optional<float> first_white(const Ranking& dark, const Ranking& light) {
+  constexpr double kMoved = 0.01;  // of the pixels
+  const double white = light.share_of_white();
+  if (white < 2 * kMoved || white > 1 - kMoved) return std::nullopt;
+  const auto code = static_cast<float>(dark.code_above(1 - white + kMoved));
+  return code <= kUsable.brightest ? std::optional(code) : std::nullopt;
 }
 
 }  // namespace
@@ -170,9 +172,24 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
   if (cuts == SceneCuts::Possible && !shows_one_scene(a, b)) return false;
   const OfPair found = match(shorter, longer);
-  if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
+  if (std::ranges::all_of(found, &OfFrames::empty)) return false;
   keep(found, shorter.exposure, longer.exposure);
   return true;
+}
+
+HistogramMatches::OfFrames HistogramMatches::matches_between(std::vector<float> shorter,
+                                                             std::vector<float> longer,
+                                                             std::vector<float>& scratch) {
+  const Ranking dark(std::move(shorter), scratch), light(std::move(longer), scratch);
+  OfFrames found{{}, first_white(dark, light)};
+  for (int q = 1; q < kQuantiles; ++q) {
+    const auto boundary = dark.boundary_near(static_cast<double>(q) / kQuantiles);
+    if (!boundary || boundary->share <= kDarkShare || boundary->share >= 1 - kDarkShare) continue;
+    const std::optional<double> other = light.code_at(boundary->share);
+    if (other && *other >= boundary->code)
+      found.codes.push_back({static_cast<float>(boundary->code), static_cast<float>(*other)});
+  }
+  return found;
 }
 
 HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, const ExposedFrame& longer) {
@@ -190,9 +207,9 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
     const SparseChannel light{longer.codes, channel, step};
     if (bounds != BlackBounds::Kept) bound_black(c, dark.plain_codes(), bounds);
     found[c] = matches_between(dark.median_codes(), light.median_codes(), scratch);
-    if (!too_few(found[c], share_in_both(dark, light) * kQuantiles)) continue;
-    std::vector<CodeMatch> plain = matches_between(dark.plain_codes(), light.plain_codes(), scratch);
-    if (too_few(found[c], static_cast<double>(usable(plain)))) found[c] = std::move(plain);
+    if (!too_few(found[c].codes, share_in_both(dark, light) * kQuantiles)) continue;
+    OfFrames plain = matches_between(dark.plain_codes(), light.plain_codes(), scratch);
+    if (too_few(found[c].codes, static_cast<double>(usable(plain.codes)))) found[c] = std::move(plain);
   }
   return found;
 }
@@ -220,8 +237,10 @@ void HistogramMatches::keep(const OfPair& found, float shorter, float longer) {
     CodeMatches& matches = matches_[c][key];
     if (matches.pairs == 0) matches.shorter = shorter, matches.longer = longer;
     matches.log_ratio += (log_ratio - matches.log_ratio) / ++matches.pairs;
-    matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
-    keep_newest(matches.codes);
+    matches.codes.insert(matches.codes.end(), found[c].codes.begin(), found[c].codes.end());
+    if (found[c].white_from) matches.white_from.push_back(*found[c].white_from);
+    keep_newest(matches.codes, kMostFrames * kQuantiles);
+    keep_newest(matches.white_from, kMostFrames);
     matches.newest = pairs_;
     keep_newest(matches_[c]);
   }

@@ -3,7 +3,8 @@
 // darker than z2 in the other, at E2. The boundaries between codes are matched, whose place in a histogram is
 // exact, not codes, which are half a step wide at worst. The codes are medians of neighbours
 // (neighbour_medians.h), as noise widens a histogram and would move its quantiles. No alignment, no flow:
-// matches along the flow made the response worse (docs/decisions/response.md). Thread-bound.
+// matches along the flow made the response worse (docs/decisions/response.md). Where the longer exposure is
+// white there is nothing to match, but its light has a lower bound. Thread-bound.
 #pragma once
 
 #include <array>
@@ -31,6 +32,9 @@ struct CodeMatches {
   int pairs = 0;                  // of frames
   int newest = 0;                 // of all pairs of frames, the last of these
   std::vector<CodeMatch> codes;
+  // Codes of the shorter exposure, one of each pair of frames that tells it: of what is brighter the longer
+  // exposure is white.
+  std::vector<float> white_from;
 };
 
 class HistogramMatches {
@@ -60,10 +64,19 @@ class HistogramMatches {
   float most_black(std::size_t channel) const { return most_black_[channel]; }
 
  private:
-  using OfPair = std::array<std::vector<CodeMatch>, 3>;  // of the channels
+  struct OfFrames {  // of a channel
+    std::vector<CodeMatch> codes;
+    std::optional<float> white_from;  // CodeMatches
+
+    bool empty() const { return codes.empty() && !white_from; }
+  };
+  using OfPair = std::array<OfFrames, 3>;  // of the channels
   // What a frame does to the bounds of the black level: the shortest exposure tells them.
   enum class BlackBounds { Kept, Widened, Anew };
 
+  // Of the codes of two frames, in any order; scratch: room for sorting, which one pair needs six times.
+  static OfFrames matches_between(std::vector<float> shorter, std::vector<float> longer,
+                                  std::vector<float>& scratch);
   // Takes the bounds of the black level from the shorter frame, too.
   OfPair match(const ExposedFrame& shorter, const ExposedFrame& longer);
   BlackBounds bounds_by(float exposure);

@@ -28,6 +28,32 @@ std::array<Term, 4> difference_of(const Knots& a, const Knots& b) {
       Term{a.lo, 1 - a.fraction}, {a.lo + 1, a.fraction}, {b.lo, b.fraction - 1}, {b.lo + 1, -b.fraction}};
 }
 
+// What the bounds of one pair of exposures say, where the curve breaks them: of the codes from which on the
+// longer exposure is white, x is E1/E2 of white at least. Returns their misfit.
+struct PairOfExposures {
+  Eigen::Index shorter, longer;  // places among the shared
+  double stated, log_ratio;      // ln E1/E2
+  double scale;                  // of the weights
+};
+double add_white_bounds(const CodeMatches& matches, const PairOfExposures& pair, float black_level,
+                        const MatchNoise& noise, const Eigen::VectorXd& g, CurveSquares& squares) {
+  constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
+  constexpr double kMatches = 20;                   // a bound counts like so many
+  const float stretch = kMaxCode / (kMaxCode - black_level);
+  const Knots white(static_cast<double>((clip_policy::kResponseMatch.brightest - black_level) * stretch));
+  double misfit = 0;
+  for (const float code : matches.white_from) {
+    const Knots from(static_cast<double>((code - black_level) * stretch));
+    const double r = from.of(g) - white.of(g) - pair.log_ratio + kTolerance;
+    if (r >= 0) continue;
+    const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
+    misfit += w * r * r;
+    const std::array<Term, 2> of_exposures{Term{pair.shorter, -1}, {pair.longer, 1}};
+    squares.add(w, pair.stated - kTolerance, difference_of(from, white), of_exposures);
+  }
+  return misfit;
+}
+
 }  // namespace
 
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
@@ -43,12 +69,15 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
   const float stretch = kMaxCode / (kMaxCode - black_level);
   double misfit = 0;
   for (const auto& [key, matches] : channel) {
-    if (matches.codes.empty()) continue;
+    if (matches.codes.empty() && matches.white_from.empty()) continue;
     const Eigen::Index shorter = shared_unknowns::place_of(key.first, shared.keys),
                        longer = shared_unknowns::place_of(key.second, shared.keys);
     const double log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer];
     const double scale =
-        kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
+        kMatchWeight *
+        std::min(1.0, kMaxWeightPerRatio / std::max(1.0, static_cast<double>(matches.codes.size())));
+    misfit += add_white_bounds(matches, {shorter, longer, matches.log_ratio, log_ratio, scale}, black_level,
+                               noise, g, squares);
     double sum = 0, used = 0, usable = 0;
     for (const CodeMatch& match : matches.codes) {
       const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;

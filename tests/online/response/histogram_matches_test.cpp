@@ -32,10 +32,14 @@ ExposedFrame recorded(float exposure, double read, Light&& light) {
 }
 
 template <class Light>
-std::vector<CodeMatch> matched(double read, Light&& light) {
+CodeMatches compared(double read, Light&& light) {
   HistogramMatches matches;
   REQUIRE(matches.add(recorded(1, read, light), recorded(kRatio, read, light), SceneCuts::None));
-  return matches.of(1).begin()->second.codes;
+  return matches.of(1).begin()->second;
+}
+template <class Light>
+std::vector<CodeMatch> matched(double read, Light&& light) {
+  return compared(read, light).codes;
 }
 
 // How far the exposures of a match's codes are from the true ratio, stops.
@@ -93,4 +97,25 @@ TEST_CASE("where no pixel has the light between two codes, none of it is matched
       CHECK(stops_off(match) == Approx(0).margin(0.2));
     }
   }
+}
+
+TEST_CASE("the code from which on the longer exposure is white is known where white begins, and only there") {
+  const Response response = Response::gamma(2.2f);
+  struct Scene {
+    double dark, bright;  // stops: white in the long exposure from -5 on
+    bool told;
+  };
+  for (const Scene& scene : {Scene{-10, 0, true}, {-7, -3, true}, {-12, -6, false}}) {
+    const CodeMatches found = compared(
+        0, [&](int, int x) { return std::exp2(scene.dark + (scene.bright - scene.dark) * x / 256); });
+    CAPTURE(scene.dark, scene.bright);
+    REQUIRE(found.white_from.size() == (scene.told ? 1 : 0));
+    if (!scene.told) continue;
+    const double stops = std::log2(response.exposure_of(1, found.white_from[0]) * kRatio);
+    CHECK(stops > -0.02);
+    CHECK(stops < 0.3);
+  }
+  const auto all_white = [](int, int x) { return std::exp2(-3 + 3. * x / 256); };
+  CHECK_FALSE(
+      HistogramMatches().add(recorded(1, 0, all_white), recorded(kRatio, 0, all_white), SceneCuts::None));
 }

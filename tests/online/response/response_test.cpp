@@ -274,6 +274,32 @@ TEST_CASE("what an exposure is off counts for all frames of it, however its repo
   }
 }
 
+TEST_CASE(
+    "two exposures that share no code still tell a long toe: what is white in one is hardly black in the "
+    "other") {
+  Response::Curve inverse;  // black up to a sixtieth of full light; the exposures are 64 apart
+  for (std::size_t z = 0; z < inverse.size(); ++z)
+    inverse[z] = std::pow(60.f, std::sqrt(static_cast<float>(z) / 255) - 1);
+  const Response response({inverse, inverse, inverse});
+  const auto recorded = [&](float exposure) {
+    return frame_of(exposure, [&](int c, int, int x) {
+      const float light = std::exp2(-14 + 14 * static_cast<float>(x) / 256);
+      return light * exposure < inverse[0] ? 0
+                                           : std::round(response.code_of(c, std::min(1.f, light * exposure)));
+    });
+  };
+  ResponseEstimator estimator;
+  REQUIRE(estimator.add_pair(recorded(1), recorded(64), SceneCuts::None));
+  const Response found = estimator.estimate({}).response;
+  const auto stops_off = [&](const Response& of, float code) {
+    return std::log2(of.exposure_of(1, code) / response.exposure_of(1, code));
+  };
+  for (const float code : {2.f, 4.f, 8.f}) {
+    CAPTURE(code, stops_off(found, code), stops_off(prior_mean_response(), code));
+    CHECK(std::abs(stops_off(found, code)) < 0.5f * std::abs(stops_off(prior_mean_response(), code)));
+  }
+}
+
 TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
