@@ -21,7 +21,7 @@ class ControlHistory {
   struct Request {
     ExposureRequest controls;  // as they were queued
     int slot = -1;             // of the schedule, though a part of it may be held back
-    bool late = false;         // the controls were written late
+    bool late = false;         // the controls were written late or never
     std::optional<Instant> queued{};
   };
 
@@ -37,8 +37,8 @@ class ControlHistory {
   struct BegunSince {
     std::uint64_t surely = kFrames, perhaps = kFrames;
   };
-  // The next frame completed the request with this cookie; `late`: whose controls were written late. False
-  // where that request was completed before.
+  // The next frame completed the request with this cookie; `late`: whose controls were written late or never.
+  // False where that request was completed before.
   bool completed(std::uint64_t frame, std::uint64_t cookie, bool late, const BegunSince& begun);
   bool completed(std::uint64_t frame, std::uint64_t cookie, bool late) {
     return completed(frame, cookie, late, {});

@@ -19,10 +19,10 @@ std::optional<ExposureClaim> ExposurePrediction::predict(const ControlHistory& h
 bool ExposurePrediction::doubtful(const ControlHistory& history) const {
   if (!delays_) return false;
   const auto changed_late = [&](int delay, auto control) {
-    const std::int64_t frame = static_cast<std::int64_t>(history.newest_frame()) + shift_ - delay;
+    std::int64_t frame = static_cast<std::int64_t>(history.newest_frame()) + shift_ - delay;
     const ControlHistory::Request* written = history.written_at(frame);
-    for (int back = 1; written != nullptr && written->late && back <= kMaxShift; ++back) {
-      const ControlHistory::Request* before = history.written_at(frame - back);
+    while (written != nullptr && written->late) {
+      const ControlHistory::Request* before = history.written_at(--frame);
       if (before == nullptr || before->controls.*control != written->controls.*control) return true;
       written = before;
     }

@@ -23,7 +23,8 @@ class ExposurePrediction {
   std::optional<ExposureClaim> predict(const ControlHistory& history) const {
     return predict(history, history.newest_frame(), shift_);
   }
-  // Whether the controls behind the prediction were written so late that the frame may show others.
+  // Whether the controls behind the prediction were written so late, or never, that the frame may show
+  // others: no request before it with the same controls was written in time.
   bool doubtful(const ControlHistory& history) const;
   // The request that the newest frame shows, by the slower of its controls; null where it is unknown.
   const ControlHistory::Request* shown(const ControlHistory& history) const;
@@ -36,8 +37,8 @@ class ExposurePrediction {
 
  private:
   static constexpr int kObservations = 3, kMaxShift = 4;
-  static constexpr int kMostQueued = kMostBuffers + 1;      // requests: one waits for a free buffer
-  static constexpr int kReach = kMaxDelay + 2 * kMaxShift;  // frames that doubtful() looks back
+  static constexpr int kMostQueued = kMostBuffers + 1;  // requests: one waits for a free buffer
+  static constexpr int kReach = kMaxDelay + kMaxShift;  // frames that a prediction looks back
   static_assert(kReach < ControlHistory::kFrames && kReach + kMostQueued < ControlHistory::kRequests);
 
   struct Observation {

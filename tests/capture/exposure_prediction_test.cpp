@@ -48,6 +48,26 @@ TEST_CASE("a prediction is doubtful where either of its controls was written lat
     CHECK(prediction.doubtful(history_of(8, late)) == (late == 5 || late == 6));
 }
 
+TEST_CASE("however many requests in a row were not written, their exposure is doubtful", "[capture]") {
+  // All from request `changed` on ask for the same; those from `late` on were written late or never.
+  const auto doubtful = [](int changed, int late, int frames) {
+    ControlHistory history;
+    for (int i = 0; i < frames; ++i) {
+      const auto cookie = static_cast<std::uint64_t>(i);
+      history.sent({cookie, i < changed ? 1ms : 5ms, 1}, 0);
+      (void)history.completed(cookie, cookie, i >= late);
+    }
+    return ExposurePrediction(ControlDelays{}).doubtful(history);
+  };
+  for (const int frames : {4, 9, 30, 60}) {
+    CAPTURE(frames);
+    CHECK(doubtful(0, 0, frames));
+    CHECK(doubtful(3, 3, frames));
+  }
+  CHECK_FALSE(doubtful(3, 4, 9));
+  CHECK_FALSE(doubtful(0, 1, 30));
+}
+
 TEST_CASE("what pictures told so long ago that its controls are forgotten shifts no prediction",
           "[capture]") {
   constexpr int kDelay = 3;
