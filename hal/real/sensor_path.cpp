@@ -7,19 +7,23 @@
 
 #include "hal/pixel_format_table.h"
 #include "hal/real/v4l2_formats.h"
+#include "hal/real/v4l2_modes.h"
 
 namespace hdrcam {
 namespace {
 
-// A mode for each size in which the sensor sends the format of `mode`.
+// A mode for each size in which the sensor sends the format of `mode`; of a range, which has no steps here,
+// as of a node that scales.
 std::vector<StreamMode> in_sizes_of(const DeviceNode& sensor, std::uint32_t pad, const StreamMode& mode) {
   std::vector<StreamMode> modes;
   v4l2_subdev_frame_size_enum size{};
   size.pad = pad, size.code = bus_code_of(mode.format), size.which = V4L2_SUBDEV_FORMAT_ACTIVE;
   if (size.code == 0) return modes;
   for (; sensor.ask(VIDIOC_SUBDEV_ENUM_FRAME_SIZE, &size) == 0; ++size.index)
-    modes.push_back({mode.format, static_cast<int>(size.max_width), static_cast<int>(size.max_height),
-                     mode.frame_duration});
+    for (const PixelSize& one :
+         sizes_within({size.min_width, size.max_width, 1, size.min_height, size.max_height, 1}))
+      modes.push_back(
+          {mode.format, static_cast<int>(one.width), static_cast<int>(one.height), mode.frame_duration});
   return modes;
 }
 

@@ -75,23 +75,6 @@ PixFormat read_format(const v4l2_format& format) {
           pix.bytesperline, pix.sizeimage, coding_of(pix.colorspace, pix.ycbcr_enc, pix.quantization)};
 }
 
-struct PixelSize {
-  std::uint32_t width, height;
-};
-// Of a driver that scales: the usual size, which is none of its ends, and the largest.
-std::vector<PixelSize> sizes_within(const v4l2_frmsize_stepwise& range) {
-  constexpr PixelSize kUsual{640, 480};
-  const auto offers = [](std::uint32_t size, std::uint32_t least, std::uint32_t most, std::uint32_t step) {
-    return size >= least && size <= most && (size - least) % std::max(1U, step) == 0;
-  };
-  const PixelSize largest{range.max_width, range.max_height};
-  const bool is_largest = kUsual.width == largest.width && kUsual.height == largest.height;
-  if (!is_largest && offers(kUsual.width, range.min_width, range.max_width, range.step_width) &&
-      offers(kUsual.height, range.min_height, range.max_height, range.step_height))
-    return {kUsual, largest};
-  return {largest};
-}
-
 void add_sizes(const DeviceNode& video, std::uint32_t queue_type, PixelFormat format, std::uint32_t fourcc,
                std::vector<StreamMode>& modes) {
   const auto add = [&](std::uint32_t width, std::uint32_t height) {
@@ -155,6 +138,19 @@ Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, D
 }
 
 }  // namespace
+
+std::vector<PixelSize> sizes_within(const v4l2_frmsize_stepwise& range) {
+  constexpr PixelSize kUsual{640, 480};
+  const auto offers = [](std::uint32_t size, std::uint32_t least, std::uint32_t most, std::uint32_t step) {
+    return size >= least && size <= most && (size - least) % std::max(1U, step) == 0;
+  };
+  const PixelSize largest{range.max_width, range.max_height};
+  const bool is_largest = kUsual.width == largest.width && kUsual.height == largest.height;
+  if (!is_largest && offers(kUsual.width, range.min_width, range.max_width, range.step_width) &&
+      offers(kUsual.height, range.min_height, range.max_height, range.step_height))
+    return {kUsual, largest};
+  return {largest};
+}
 
 Result<V4l2Identity> identify(const DeviceNode& video) {
   v4l2_capability capability{};

@@ -8,6 +8,8 @@
 #include "hal/camera.h"
 #include "hal/real/device_node.h"
 
+struct v4l2_frmsize_stepwise;  // of the kernel
+
 namespace hdrcam {
 
 struct V4l2Identity {
@@ -17,8 +19,14 @@ struct V4l2Identity {
 };
 Result<V4l2Identity> identify(const DeviceNode& video);
 
+struct PixelSize {
+  std::uint32_t width, height;
+};
+// Of a range: the usual size, where it is within the range and not its end, and the largest.
+std::vector<PixelSize> sizes_within(const v4l2_frmsize_stepwise& range);
+
 // All modes in the supported formats, each with its shortest frame duration (33.3 ms where the driver reports
-// none). Of sizes that have no list but a range: the usual one, and the largest.
+// none). Of sizes that have no list but a range: sizes_within() it.
 std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type);
 
 struct V4l2Picture {

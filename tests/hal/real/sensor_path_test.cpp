@@ -58,6 +58,19 @@ TEST_CASE("the raw modes of a receiver that takes all are those that its sensor 
         "NV12 16384x16384, RGGB10 3280x2464, RGGB10 1640x1232, RGGB10P 3280x2464, RGGB10P 1640x1232");
 }
 
+TEST_CASE("a sensor that sends any size of a range offers the usual one and its largest") {
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  const test::AnsweredIoctl kernel([](unsigned long request, void* argument) {
+    if (request != VIDIOC_SUBDEV_ENUM_FRAME_SIZE) return ENOTTY;
+    auto& size = *static_cast<v4l2_subdev_frame_size_enum*>(argument);
+    if (size.code != bus_code_of(PixelFormat::Rggb12) || size.index > 0) return EINVAL;
+    size.min_width = 16, size.max_width = 2592, size.min_height = 16, size.max_height = 1944;
+    return 0;
+  });
+  CHECK(text_of(modes_of_sensor(sensor, 0, modes_of_receiver())) ==
+        "NV12 16384x16384, RGGB12 640x480, RGGB12 2592x1944");
+}
+
 TEST_CASE("the modes of a receiver stay where its sensor lists no size") {
   const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
   const test::AnsweredIoctl kernel([](unsigned long, void*) { return ENOTTY; });
