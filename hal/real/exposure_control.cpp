@@ -30,7 +30,7 @@ ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
   v4l2_query_ext_ctrl answer{};
   answer.id = id;
   constexpr std::uint32_t kFixed = V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_READ_ONLY;
-  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & kFixed) != 0) return {};
+  if (ask_again(*node_, VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & kFixed) != 0) return {};
   return {id, answer.minimum, answer.maximum,
           std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
 }
@@ -41,7 +41,7 @@ std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
   control.id = id;
   v4l2_ext_controls controls{};
   controls.which = V4L2_CTRL_WHICH_CUR_VAL, controls.count = 1, controls.controls = &control;
-  if (node_->ask(VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
+  if (ask_again(*node_, VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
   return wide ? control.value64 : control.value;
 }
 
