@@ -145,9 +145,8 @@ void CaptureStage::collect_warnings() {
                                                 : "frames are labelled by their pictures alone"));
   if (buffers() < options_.buffers)
     warnings_.push_back(
-        fmt::format("'{}' has memory for {} buffers instead of {} and loses frames sooner while the program "
-                    "is held up; a "
-                    "smaller size may give it more",
+        fmt::format("'{}' has {} buffers, not the {} of --buffers, and loses frames sooner while the program "
+                    "is held up; where its memory is short, a smaller size gives it more",
                     offers.id, buffers(), options_.buffers));
   if (black_.unreported())
     warnings_.push_back(fmt::format(

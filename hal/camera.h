@@ -99,8 +99,8 @@ struct ExposureRequest {
 struct CameraCapabilities {
   std::string id, model, driver;  // id: what --camera takes
   std::vector<StreamMode> modes;  // with the shortest frame duration of each
-  // Of the stream, once configured, where the device has its own number: less than asked for, as its memory
-  // allows, or more, as it needs queued to deliver frames at all.
+  // Of the stream, once configured, where the device has its own number: fewer than asked for, as its memory
+  // allows or as its driver always has, or more, as it needs queued to deliver frames at all.
   std::optional<int> buffers;
   Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
