@@ -77,9 +77,11 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
                                             setup.mains, setup.options));
   source->facts_ = source->capture_->facts();
+  StreamMode taken = setup.options.mode;
+  taken.width = source->facts_.width, taken.height = source->facts_.height;
   if (!source->replayed_)
-    source->differences_ = differences(settings.camera, source->facts_,
-                                       sizes_of(source->camera_->capabilities(), setup.options.mode.format));
+    source->differences_ =
+        differences(settings.camera, source->facts_, sizes_of(source->camera_->capabilities(), taken));
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
     recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace,

@@ -124,11 +124,13 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   return mode;
 }
 
-std::string sizes_of(const CameraCapabilities& camera, PixelFormat format) {
+std::string sizes_of(const CameraCapabilities& camera, const StreamMode& taken) {
+  const auto text_of = [](const StreamMode& mode) { return fmt::format("{}x{}", mode.width, mode.height); };
   std::vector<std::string> texts;
   for (const StreamMode& mode : camera.modes)
-    if (mode.format == format) add_new(fmt::format("{}x{}", mode.width, mode.height), texts);
-  return texts.size() > 1 ? listed(std::move(texts)) : "";
+    if (mode.format == taken.format) add_new(text_of(mode), texts);
+  const bool lists_all = std::find(texts.begin(), texts.end(), text_of(taken)) != texts.end();
+  return lists_all && texts.size() > 1 ? listed(std::move(texts)) : "";
 }
 
 Result<ControlDelays> parse_delays(std::string_view text) {

@@ -32,8 +32,9 @@ std::string replayed_file(const std::string& id);
 // more bits before fewer), of those that have a size that is set, where any has; default size: the largest of
 // up to 640x480. Errors: Unsupported, listing what the camera has.
 Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabilities& camera);
-// "320x240, 640x480"; empty where the camera lists less than two sizes of this format.
-std::string sizes_of(const CameraCapabilities& camera, PixelFormat format);
+// Of a camera that took this mode, its sizes in the mode's format: "320x240, 640x480"; empty where it lists
+// fewer than two, or not the size that it took: one that scales has more than it lists.
+std::string sizes_of(const CameraCapabilities& camera, const StreamMode& taken);
 
 // Errors: Invalid for a text that is not a duration, cycle or delay, and those of mode_for.
 Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabilities& camera);

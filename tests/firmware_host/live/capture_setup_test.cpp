@@ -63,8 +63,12 @@ TEST_CASE("a format that a camera does not have is refused with the modes that i
 }
 
 TEST_CASE("the sizes of a format are those that the camera lists, where it lists several") {
-  CHECK(sizes_of(camera_of_many_modes(), PixelFormat::Yuyv) == "320x240, 640x480, 800x600");
-  CHECK(sizes_of(camera_of_many_modes(), PixelFormat::Mjpeg).empty());
+  const auto sizes_where = [](PixelFormat format, int width, int height) {
+    return sizes_of(camera_of_many_modes(), {.format = format, .width = width, .height = height});
+  };
+  CHECK(sizes_where(PixelFormat::Yuyv, 640, 480) == "320x240, 640x480, 800x600");
+  CHECK(sizes_where(PixelFormat::Mjpeg, 1920, 1080).empty());
+  CHECK(sizes_where(PixelFormat::Yuyv, 700, 500).empty());  // it scales
 }
 
 }  // namespace
