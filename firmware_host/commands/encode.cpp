@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -59,18 +61,27 @@ Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
                            recording ? "; of a recording 'hdrcam replay' makes a video" : "")};
 }
 
+std::size_t digits_at_end(const std::string& stem) {
+  return stem.size() - (stem.find_last_not_of("0123456789") + 1);
+}
+
 // What a folder holds in place of the frames that are named, with what to write for it: the end of a
-// sentence.
+// sentence. Of the shortest name, whose pattern fits the longer ones of its series too: f1.exr, f10.exr.
 std::string other_frames_in(const FolderListing& listing) {
-  for (const std::filesystem::path& path : listing.paths()) {
-    const std::string stem = path.stem().string();
-    const std::size_t digits = stem.size() - (stem.find_last_not_of("0123456789") + 1);
-    if (path.extension() != ".exr" || digits == 0) continue;
-    const std::string pattern = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
-    return fmt::format("; there is '{}', for which write '{}'", path.string(),
-                       (path.parent_path() / pattern).string());
-  }
-  return "";
+  std::optional<std::filesystem::path> first;
+  const auto comes_before = [](const std::string& a, const std::string& b) {
+    return std::pair(a.size(), std::string_view(a)) < std::pair(b.size(), std::string_view(b));
+  };
+  for (const std::filesystem::path& path : listing.paths())
+    if (path.extension() == ".exr" && digits_at_end(path.stem().string()) > 0 &&
+        (!first || comes_before(path.string(), first->string())))
+      first = path;
+  if (!first) return "";
+  const std::string stem = first->stem().string();
+  const std::size_t digits = digits_at_end(stem);
+  const std::string pattern = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
+  return fmt::format("; there is '{}', for which write '{}'", first->string(),
+                     (first->parent_path() / pattern).string());
 }
 
 // In the order of their numbers.

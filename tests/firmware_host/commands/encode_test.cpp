@@ -343,6 +343,10 @@ TEST_CASE("encode leads from other names to the frames that are there, and from 
   CHECK_THAT(told({out + "/%04d.exr"}), Contains("there are no frames") &&
                                             Contains("there is '" + out + "/take_000007.exr'") &&
                                             Contains("write '" + out + "/take_%06d.exr'"));
+  for (const char* name : {"/f10.exr", "/f9.exr", "/f11.exr", "/f100.exr"})
+    write_grey(out + name, Image<float>(1, 16, 16));
+  CHECK_THAT(told({out + "/%04d.exr"}),
+             Contains("there is '" + out + "/f9.exr'") && Contains("write '" + out + "/f%01d.exr'"));
   CHECK_THAT(told({out + "/000001.exr", out + "/000002.exr"}),
              Contains("unexpected argument") && Contains("one pattern, such as 'out/%06d.exr'"));
   CHECK_THAT(told({"walk.mkv"}), Contains("'hdrcam replay' makes a video"));
