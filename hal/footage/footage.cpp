@@ -91,14 +91,15 @@ struct NumberedName {
   std::optional<std::uint64_t> number;
 };
 
+// The number is of the file's name: that of its folder numbers no pictures.
 NumberedName numbered(const fs::path& path) {
   constexpr const char* kDigits = "0123456789";
-  const std::string name = (path.parent_path() / path.stem()).string();
+  std::string name = path.stem().string();
   const std::size_t end = name.find_last_of(kDigits) + 1;
   if (end == 0) return {};
   const std::size_t begin = name.find_last_not_of(kDigits, end - 1) + 1;
-  return {std::string(name).erase(begin, end - begin),
-          parse_number<std::uint64_t>(name.substr(begin, end - begin))};
+  const auto number = parse_number<std::uint64_t>(name.substr(begin, end - begin));
+  return {(path.parent_path() / name.erase(begin, end - begin)).string(), number};
 }
 
 // The files of a clip one after the other. A file that does not say when its frames are, as a still does not,

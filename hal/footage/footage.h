@@ -54,7 +54,8 @@ class FootageReader {
 
 // Whether two files have neighbouring numbers and names that are alike else: IMG_0009.JPG, IMG_0010.JPG.
 bool is_next_number(const std::string& file, const std::string& next);
-// Whether the second has the lower number: IMG_10.JPG, IMG_2.JPG, as a shell puts them.
+// Whether the second, of a name that is alike else, has the lower number: IMG_10.JPG, IMG_2.JPG, as a shell
+// puts them.
 bool is_earlier_number(const std::string& file, const std::string& next);
 
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say

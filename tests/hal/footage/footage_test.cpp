@@ -445,10 +445,24 @@ TEST_CASE("neighbouring numbers are those of files whose names are alike else") 
                                    {"IMG_0009.JPG", "DSC_0010.JPG"},
                                    {"IMG_0009.JPG", "IMG_0010_small.JPG"},
                                    {"100/IMG_0009.JPG", "101/IMG_0010.JPG"},
+                                   {"take1/x.JPG", "take2/x.JPG"},
                                    {"a.mp3", "a.mp4"},
                                    {"IMG_99999999999999999999.JPG", "IMG_100000000000000000000.JPG"}}) {
     CAPTURE(file, next);
     CHECK_FALSE(is_next_number(file, next));
+  }
+}
+
+TEST_CASE("a number is earlier than another one where the names are alike else, and in one folder") {
+  CHECK(is_earlier_number("card/IMG_10.JPG", "card/IMG_2.JPG"));
+  CHECK(is_earlier_number("1/IMG_0010.JPG", "1/IMG_0009.JPG"));
+  for (const auto& [file, next] : {std::pair("IMG_2.JPG", "IMG_10.JPG"),
+                                   {"IMG_2.JPG", "IMG_2.JPG"},
+                                   {"IMG_10.JPG", "DSC_2.JPG"},
+                                   {"2/IMG_10.JPG", "1/IMG_2.JPG"},
+                                   {"take2/x.JPG", "take1/x.JPG"}}) {
+    CAPTURE(file, next);
+    CHECK_FALSE(is_earlier_number(file, next));
   }
 }
 
