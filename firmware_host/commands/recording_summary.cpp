@@ -187,6 +187,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"unreadable_places", summary.left_out.places},
                {"complete", !summary.end && summary.left_out.sentence().empty()}};
   if (camera.intrinsics) json["intrinsics"] = json_of(*camera.intrinsics);
+  if (camera.white_balance) json["white_balance"] = *camera.white_balance;
   if (summary.black_level) json["black_level"] = (*summary.black_level)[1];
   if (summary.end) json["ended_by"] = summary.end->message;
   return json_text(json, 2) + "\n";

@@ -425,6 +425,7 @@ TEST_CASE(
   const auto json = nlohmann::json::parse(as_json(summary.value(), path));
   CHECK(json.at("verdicts").at("estimated") == 8);
   CHECK(json.at("exposure_sources").at("estimated") == 8);
+  CHECK(json.at("white_balance") == nlohmann::json{2.125, 1.0, 1.5});
 }
 
 TEST_CASE("info calls exposures with a gain products, and those without one times") {
@@ -495,6 +496,7 @@ TEST_CASE("info counts what is there and what is missing") {
   CHECK(json.at("complete") == true);
   CHECK(json.at("exposure_range_ev").get<double>() == Approx(4));
   CHECK(json.at("slots_ev").get<std::vector<double>>() == std::vector<double>{-2, 2});
+  CHECK_FALSE(json.contains("white_balance"));  // none is stated
   const std::string table = as_table(info, path);
   for (const char* words : {"37x23, 8 bits, rgb", "2 slots: -2.00 / +2.00 EV about 0.004 s", "4.00 EV",
                             "12 in", "3 in 2 gaps", "complete    yes"}) {
