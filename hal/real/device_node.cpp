@@ -21,6 +21,19 @@ namespace hdrcam {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Of a folder that may go away meanwhile, as that of a process does.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code gone;
+  for (fs::directory_iterator at(folder, gone), end; !gone && at != end; at.increment(gone))
+    entries.push_back(at->path());
+  return entries;
+}
+
+}  // namespace
+
 Result<DeviceNode> DeviceNode::open(const std::string& path) {
   Descriptor fd(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!fd.is_open()) return device_error(errno, path, "open it");
@@ -102,13 +115,13 @@ std::string holder_of(const std::string& path) {
   std::error_code ignored;
   const fs::path canonical = fs::canonical(path, ignored);  // of a link like those of /dev/v4l/by-id
   const std::string own = std::to_string(::getpid());
-  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
-    const std::string pid = process.path().filename();
+  for (const fs::path& process : entries_of("/proc")) {
+    const std::string pid = process.filename();
     if (pid == own || pid.find_first_not_of("0123456789") != std::string::npos) continue;
-    for (const auto& file : fs::directory_iterator(process.path() / "fd", ignored)) {
+    for (const fs::path& file : entries_of(process / "fd")) {
       if (canonical.empty() || fs::read_symlink(file, ignored) != canonical) continue;
       std::string program;
-      std::getline(std::ifstream(process.path() / "comm"), program);
+      std::getline(std::ifstream(process / "comm"), program);
       return fmt::format("'{}' (process {})", program, pid);
     }
   }

@@ -155,7 +155,7 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
 // Codes of `dark` from which on `light` is white; none where white, or all else, is hardly seen: motion
 // between the frames moves shares.
 std::optional<float> first_white(const Ranking& dark, const Ranking& light) {
-  constexpr double kMoved = 0.01;  // of the pixels
+  constexpr double kMoved = 0.02;  // of the pixels
   const double white = light.share_of_white();
   if (white < 2 * kMoved || white > 1 - kMoved) return std::nullopt;
   const auto code = static_cast<float>(dark.code_above(1 - white + kMoved));
