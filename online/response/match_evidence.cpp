@@ -28,28 +28,41 @@ std::array<Term, 4> difference_of(const Knots& a, const Knots& b) {
       Term{a.lo, 1 - a.fraction}, {a.lo + 1, a.fraction}, {b.lo, b.fraction - 1}, {b.lo + 1, -b.fraction}};
 }
 
-// What the bounds of one pair of exposures say, where the curve breaks them: of the codes from which on the
-// longer exposure is white, x is E1/E2 of white at least. Returns their misfit.
+// The equations that one pair of exposures makes of its codes: g(a) - g(b) = ln E1/E2.
 struct PairOfExposures {
   Eigen::Index shorter, longer;  // places among the shared
-  double stated, log_ratio;      // ln E1/E2
+  double stated, log_ratio;      // ln E1/E2, as stated and as fitted
   double scale;                  // of the weights
+
+  // By how much the curve misses it.
+  double rest(const Knots& a, const Knots& b, const Eigen::VectorXd& g) const {
+    return a.of(g) - b.of(g) - log_ratio;
+  }
+  void add(double weight, const Knots& a, const Knots& b, double target, CurveSquares& squares) const {
+    const std::array<Term, 2> of_exposures{Term{shorter, -1}, {longer, 1}};
+    squares.add(weight, target, difference_of(a, b), of_exposures);
+  }
 };
+
+float without_black(float code, float black_level) {
+  return (code - black_level) * (kMaxCode / (kMaxCode - black_level));
+}
+
+// What the bounds of one pair of exposures say, where the curve breaks them: of the codes from which on the
+// longer exposure is white, x is E1/E2 of white at least. Returns their misfit.
 double add_white_bounds(const CodeMatches& matches, const PairOfExposures& pair, float black_level,
                         const MatchNoise& noise, const Eigen::VectorXd& g, CurveSquares& squares) {
   constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
   constexpr double kMatches = 20;                   // a bound counts like so many
-  const float stretch = kMaxCode / (kMaxCode - black_level);
-  const Knots white(static_cast<double>((clip_policy::kResponseMatch.brightest - black_level) * stretch));
+  const Knots white(static_cast<double>(without_black(clip_policy::kResponseMatch.brightest, black_level)));
   double misfit = 0;
   for (const float code : matches.white_from) {
-    const Knots from(static_cast<double>((code - black_level) * stretch));
-    const double r = from.of(g) - white.of(g) - pair.log_ratio + kTolerance;
+    const Knots from(static_cast<double>(without_black(code, black_level)));
+    const double r = pair.rest(from, white, g) + kTolerance;
     if (r >= 0) continue;
     const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
     misfit += w * r * r;
-    const std::array<Term, 2> of_exposures{Term{pair.shorter, -1}, {pair.longer, 1}};
-    squares.add(w, pair.stated - kTolerance, difference_of(from, white), of_exposures);
+    pair.add(w, from, white, pair.stated - kTolerance, squares);
   }
   return misfit;
 }
@@ -66,31 +79,30 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
-  const float stretch = kMaxCode / (kMaxCode - black_level);
   double misfit = 0;
   for (const auto& [key, matches] : channel) {
     if (matches.codes.empty() && matches.white_from.empty()) continue;
     const Eigen::Index shorter = shared_unknowns::place_of(key.first, shared.keys),
                        longer = shared_unknowns::place_of(key.second, shared.keys);
-    const double log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer];
-    const double scale =
-        kMatchWeight *
-        std::min(1.0, kMaxWeightPerRatio / std::max(1.0, static_cast<double>(matches.codes.size())));
-    misfit += add_white_bounds(matches, {shorter, longer, matches.log_ratio, log_ratio, scale}, black_level,
-                               noise, g, squares);
+    const double count = std::max(1.0, static_cast<double>(matches.codes.size()));
+    const PairOfExposures pair{.shorter = shorter,
+                               .longer = longer,
+                               .stated = matches.log_ratio,
+                               .log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer],
+                               .scale = kMatchWeight * std::min(1.0, kMaxWeightPerRatio / count)};
+    misfit += add_white_bounds(matches, pair, black_level, noise, g, squares);
     double sum = 0, used = 0, usable = 0;
     for (const CodeMatch& match : matches.codes) {
-      const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
+      const float z1 = without_black(match.z1, black_level), z2 = without_black(match.z2, black_level);
       usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
       if (z1 < first || z2 > last) continue;
       const Knots k1(static_cast<double>(z1)), k2(static_cast<double>(z2));
-      const double r = k1.of(g) - k2.of(g) - log_ratio;
+      const double r = pair.rest(k1, k2, g);
       const double s2 = match_sigma * match_sigma + variance_of(k1, g, noise) + variance_of(k2, g, noise);
-      const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
-      sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
+      const double w = pair.scale / s2 / (1 + r * r / (s2 * kCauchy2));
+      sum += pair.scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;
-      const std::array<Term, 2> of_exposures{Term{shorter, -1}, {longer, 1}};
-      squares.add(w, matches.log_ratio, difference_of(k1, k2), of_exposures);
+      pair.add(w, k1, k2, pair.stated, squares);
     }
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage
