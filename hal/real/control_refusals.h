@@ -3,12 +3,11 @@
 // ControlPacer tells, and the run goes on. One that takes none for many frames ends it. Thread-compatible.
 #pragma once
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <iterator>
 
 #include "hal/core/result.h"
+#include "hal/real/device_node.h"
 
 namespace hdrcam {
 
@@ -35,8 +34,8 @@ class ControlRefusals {
  private:
   // Of the bus, rather than of the value.
   static bool may_pass(int code) {
-    constexpr int kOfTheBus[] = {EBUSY, EIO, EPIPE, EPROTO, EILSEQ, EREMOTEIO, ESHUTDOWN, ETIMEDOUT, EAGAIN};
-    return std::find(std::begin(kOfTheBus), std::end(kOfTheBus), code) != std::end(kOfTheBus);
+    return is_failed_transfer(code) || code == EBUSY || code == EAGAIN || code == ETIMEDOUT ||
+           code == ESHUTDOWN;
   }
 
   int frames_ = 0;          // in a row

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of a folder that may go away meanwhile, as that of a process does.
+// Of a folder whose files, or itself, may go away meanwhile, as that of a process does.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code gone;
@@ -100,11 +100,14 @@ Error control_error(int code, const std::string& path, const std::string& doing)
   return {ErrorCode::Io, fmt::format("'{}' refused to {}: {}", path, doing, std::strerror(code)), code};
 }
 
+bool is_failed_transfer(int code) {
+  return code == EIO || code == EPIPE || code == EPROTO || code == EILSEQ || code == EREMOTEIO;
+}
+
 std::vector<std::string> device_nodes(std::string_view beginning) {
   std::vector<std::string> nodes;
-  std::error_code ignored;
-  for (const auto& file : fs::directory_iterator("/dev", ignored))
-    if (file.path().filename().string().starts_with(beginning)) nodes.push_back(file.path());
+  for (const fs::path& file : entries_of("/dev"))
+    if (file.filename().string().starts_with(beginning)) nodes.push_back(file);
   std::ranges::sort(nodes, [](const std::string& a, const std::string& b) {
     return a.size() != b.size() ? a.size() < b.size() : a < b;
   });

@@ -39,6 +39,9 @@ Error device_error(int code, const std::string& path, const std::string& doing);
 // The same of a control of a device that is in use by us: that it is busy or stalled says nothing of others.
 Error control_error(int code, const std::string& path, const std::string& doing);
 
+// Whether this errno says that a transfer over the bus failed; the device usually takes the next one.
+bool is_failed_transfer(int code);
+
 // The nodes whose names begin so, such as "video": "/dev/video0" first, and 2 before 10.
 std::vector<std::string> device_nodes(std::string_view beginning);
 

@@ -19,7 +19,7 @@ int ask_again(const DeviceNode& node, unsigned long request, void* argument) {
   int code = 0;
   for (int i = 0; i < kTries; ++i) {
     code = node.ask(request, argument);
-    if (code != EIO && code != EPIPE && code != EPROTO && code != EILSEQ && code != EREMOTEIO) break;
+    if (!is_failed_transfer(code)) break;
   }
   return code;
 }
