@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "hal/core/counted.h"
@@ -37,25 +36,14 @@ class LadderSteps {
     rung_.budget.field_rests = true;
     add("no field");
   }
-  void look_ahead(int frames, const char* name) {
-    if (rung_.budget.later_frames <= frames) return;
-    rung_.budget.later_frames = frames;
-    add(name);
-  }
-  void lower_flow(FlowQuality quality, const char* name) {
-    if (rung_.budget.flow <= quality) return;
-    rung_.budget.flow = quality;
+  template <class Part>
+  void lower(Part FrameBudget::*part, Part to, const char* name) {
+    if (rung_.budget.*part <= to) return;
+    rung_.budget.*part = to;
     add(name);
   }
   void lower_flow_over_clipped(FlowQuality quality, const char* name) {
-    if (std::min(rung_.budget.flow, rung_.budget.flow_over_clipped) <= quality) return;
-    rung_.budget.flow_over_clipped = quality;
-    add(name);
-  }
-  void shrink_less(ShrinkageEffort effort, const char* name) {
-    if (rung_.budget.shrinkage <= effort) return;
-    rung_.budget.shrinkage = effort;
-    add(name);
+    if (rung_.budget.flow > quality) lower(&FrameBudget::flow_over_clipped, quality, name);
   }
   void leave_out_blur() {
     if (!rung_.budget.blurs) return;
@@ -86,15 +74,15 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
   if (previews == PreviewUse::Some) steps.leave_out_previews();
   if (field != FieldUse::None) steps.fit_less();
   if (field == FieldUse::Fills) steps.rest_field();
-  steps.look_ahead(1, "one later frame");
-  steps.lower_flow(FlowQuality::Medium, "flow medium");
-  steps.lower_flow(FlowQuality::Fast, "flow fast");
+  steps.lower(&FrameBudget::later_frames, 1, "one later frame");
+  steps.lower(&FrameBudget::flow, FlowQuality::Medium, "flow medium");
+  steps.lower(&FrameBudget::flow, FlowQuality::Fast, "flow fast");
   steps.lower_flow_over_clipped(FlowQuality::Coarse, "flow over clipped parts coarse");
-  steps.shrink_less(ShrinkageEffort::On, "fewer shrinkage tiles");
-  steps.look_ahead(0, "no look-ahead");
+  steps.lower(&FrameBudget::shrinkage, ShrinkageEffort::On, "fewer shrinkage tiles");
+  steps.lower(&FrameBudget::later_frames, 0, "no look-ahead");
   steps.leave_out_blur();
-  steps.lower_flow(FlowQuality::Coarse, "flow coarse");
-  steps.shrink_less(ShrinkageEffort::Off, "no shrinkage");
+  steps.lower(&FrameBudget::flow, FlowQuality::Coarse, "flow coarse");
+  steps.lower(&FrameBudget::shrinkage, ShrinkageEffort::Off, "no shrinkage");
   steps.emit(3, 4);
   steps.emit(1, 2);
   return steps.take();
