@@ -27,17 +27,36 @@ setup_failed() { echo "hil: $*" >&2; exit 2; }
 # shellcheck source=tests/unpacked_packages.sh
 . "$here/../unpacked_packages.sh"
 
+# What kernel modules are built with: packages_of_build RELEASE VERSION
+packages_of_build() {
+  local package
+  for package in "linux-headers-$1" "linux-headers-${1%-amd64}-common" linux-kbuild-6.1 linux-compiler-gcc-12-x86 linux-source-6.1; do
+    echo "$package=$2"
+  done
+}
+
+# Release and version of the newest kernel of which apt has everything: while Debian publishes an update, the image that
+# linux-image-amd64 names can be older than all that is left to build modules with.
+newest_kernel() {
+  local release version
+  for release in $(apt-cache "${apt_options[@]}" pkgnames linux-image-6.1.0- | grep -E '^linux-image-6\.1\.0-[0-9]+-amd64$' | sort -rV); do
+    release=${release#linux-image-}
+    version=$(apt-cache "${apt_options[@]}" policy "linux-image-$release" | awk '/Candidate/{print $2}')
+    # shellcheck disable=SC2046 # one package a word
+    ! apt-get "${apt_options[@]}" -qq --print-uris download $(packages_of_build "$release" "$version") > /dev/null 2>&1 ||
+      { echo "$release $version"; return; }
+  done
+}
+
 fetch() {
   packages_in "$cache"
-  local image version release
-  image=$(apt-cache "${apt_options[@]}" depends linux-image-amd64 | awk '/Depends: linux-image-/{print $2; exit}')
-  [ -n "$image" ] || setup_failed "apt knows no linux-image-amd64"
-  release=${image#linux-image-}
-  version=$(apt-cache "${apt_options[@]}" policy "$image" | awk '/Candidate/{print $2}')
+  local version release
+  read -r release version <<< "$(newest_kernel)"
+  [ -n "$version" ] || setup_failed "apt knows no kernel 6.1 with its headers and source of one version"
   echo "$release" > release
-  download packages/kernel "$image=$version"
-  download packages/build "linux-headers-$release=$version" "linux-headers-${release%-amd64}-common=$version" \
-    "linux-kbuild-6.1=$version" "linux-compiler-gcc-12-x86=$version" "linux-source-6.1=$version"
+  download packages/kernel "linux-image-$release=$version"
+  # shellcheck disable=SC2046 # one package a word
+  download packages/build $(packages_of_build "$release" "$version")
   command -v qemu-system-x86_64 > /dev/null || download_closure packages/host "" qemu-system-x86
   download_closure packages/guest "$cache/no-packages" busybox-static kmod udev libcamera-ipa libgpiod2
   say "fetched $(du -shc packages | awk 'END{print $1}') for kernel $release"
