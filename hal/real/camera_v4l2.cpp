@@ -182,8 +182,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     const auto due = pacer_.due();
     if (!due) return {};
     const Result<void> wrote = control_.write(due->request);
-    if (wrote) pacer_.written(*due, clock_.now());
-    return refusals_.answered(due->index, wrote);
+    const Instant now = clock_.now();
+    if (wrote) pacer_.written(*due, now);
+    return refusals_.answered(due->index, wrote, now);
   }
 
   Result<void> sleep_until_ready(Duration left) {
