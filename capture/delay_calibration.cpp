@@ -81,7 +81,7 @@ DelayEstimate DelayCalibration::estimate() const {
   if (estimate.comparisons < kEnough) {
     estimate.reason = fmt::format(
         "only {} of the {} required comparisons were possible: the scene is too dark, clipped "
-        "or unsteady, or frames are lost",
+        "or unsteady, frames are lost, or exposures are written late",
         estimate.comparisons, int{kEnough});
   } else if (1 - estimate.agreement() > kMostMisses) {
     // Rounded up, or a delay would explain more than is said.
@@ -151,6 +151,7 @@ Result<void> observe_pictures(Camera& camera, const DelayMeasurement& how, const
       if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
       sequence = buffer.sequence;
       completed = buffer.cookie;
+      if (buffer.control_late) calibration.written_late();
       readable = !buffer.damaged && unpack_pixels(buffer, how.unpack, codes).ok();
     }  // the buffer goes back before the next request needs it
     TRY(requests.queue_next());

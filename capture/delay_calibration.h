@@ -42,6 +42,9 @@ class DelayCalibration {
   // What observe() does with `asked`; alone for a frame whose picture cannot be read, which used up its
   // request as any other.
   void note_request(std::uint64_t index, const Exposure& asked);
+  // Before either: the exposure requested for the frame that arrived was written late or never. Which
+  // exposure the frame shows that should show it is unknown, whatever the delay.
+  void written_late() { asked_[newest_ % kHistory].reset(); }
 
   DelayEstimate estimate() const;
   const Photometer& photometer() const { return photometer_; }

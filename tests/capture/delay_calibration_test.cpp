@@ -79,6 +79,16 @@ TEST_CASE("frames that arrive damaged use up their requests, and mislead nobody"
   }
 }
 
+TEST_CASE("exposures that the camera says were written late count neither for a delay nor against it",
+          "[capture]") {
+  for (int latency = 0; latency <= 3; ++latency) {
+    const DelayEstimate estimate = measure({.per_request = false, .latency = latency}, {.written_late = 0.2});
+    CAPTURE(latency, estimate.reason, estimate.agreement());
+    CHECK(estimate.delay == latency);
+    CHECK(estimate.agreement() > 0.97);
+  }
+}
+
 TEST_CASE("pictures that cannot tell are said to be so", "[capture]") {
   const DelayEstimate dark = measure({.per_request = false, .key = 1e-4}, {});
   CHECK_FALSE(dark.delay);
