@@ -24,6 +24,8 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
+constexpr short kFails = POLLERR | POLLHUP;  // of poll()
+
 // The nodes of one camera: the capture node and the nodes that the media graph connects to it.
 struct Nodes {
   DeviceNode video;
@@ -138,7 +140,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<CapturedBuffer> wait(Duration timeout) override {
     const auto deadline = SteadyClock::now() + timeout;
-    for (;;) {
+    for (short said = 0;;) {
       {
         const std::lock_guard lock(mutex_);
         if (!started_) return stopped(capabilities_.id);
@@ -146,8 +148,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
           if (const auto filled = TRY(stream_.dequeue())) return completed(*filled);
       }
       const auto left = deadline - SteadyClock::now();
-      if (left <= Duration::zero()) return no_frame_within(capabilities_.id, timeout);
-      TRY(sleep_until_ready(left));
+      if (left <= Duration::zero())
+        return (said & kFails) != 0 ? stream_fails(capabilities_.id, timeout)
+                                    : no_frame_within(capabilities_.id, timeout);
+      said = TRY(sleep_until_ready(left, said));
     }
   }
 
@@ -187,18 +191,23 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     return refusals_.answered(due->index, wrote, now);
   }
 
-  Result<void> sleep_until_ready(Duration left) {
+  // What poll() says of the device; 0: nothing. said: the last time, after which dequeue() had no frame. It
+  // would say the same at once.
+  Result<short> sleep_until_ready(Duration left, short said) {
+    constexpr Duration kPause = std::chrono::milliseconds(5);
     bool waits_for_frame = false;
     {
       const std::lock_guard lock(mutex_);
       waits_for_frame = slots_.any_queued();
     }
+    if (said != 0) (void)wake_.sleep(-1, std::min(left, kPause));
     const auto [woken, device] = wake_.sleep(waits_for_frame ? nodes_.video.fd() : -1, left);
-    if ((device & (POLLERR | POLLHUP)) == 0 || (woken & POLLIN) != 0) return {};
+    if ((device & kFails) == 0 || (woken & POLLIN) != 0) return device;
     const std::lock_guard lock(mutex_);  // dequeue() reports the error, unless stop() came first
-    if (!started_) return {};
+    if (!started_) return device;
     v4l2_capability any{};
-    return nodes_.video.demand(VIDIOC_QUERYCAP, &any, "deliver frames");
+    TRY(nodes_.video.demand(VIDIOC_QUERYCAP, &any, "deliver frames"));
+    return device;
   }
 
   CapturedBuffer completed(const V4l2Stream::Filled& filled) {

@@ -1,6 +1,7 @@
 #include "hal/real/stream_errors.h"
 
 #include <chrono>
+#include <cstdint>
 
 namespace hdrcam {
 
@@ -36,10 +37,21 @@ Error stopped(const std::string& id) {
   return {ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", id)};
 }
 
+namespace {
+std::int64_t in_ms(Duration time) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+}  // namespace
+
 Error no_frame_within(const std::string& id, Duration timeout) {
-  return {ErrorCode::Timeout,
-          fmt::format("camera '{}' delivered no frame within {} ms", id,
-                      std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+  return {ErrorCode::Timeout, fmt::format("camera '{}' delivered no frame within {} ms", id, in_ms(timeout))};
+}
+
+Error stream_fails(const std::string& id, Duration timeout) {
+  return {ErrorCode::Io,
+          fmt::format("camera '{}' reports that its stream failed, and delivered no frame within {} ms; run "
+                      "again, check its cable and its hub, or plug it in again",
+                      id, in_ms(timeout))};
 }
 
 }  // namespace hdrcam

@@ -20,8 +20,9 @@ Result<void> check_buffers(int buffers, int most);
 // Invalid for a picture without pixels.
 Result<void> check_size(const StreamMode& wanted);
 
-// Interrupted and Timeout: of wait().
+// Interrupted, Timeout and Io: of wait(). A stream fails where its device says so, and not why.
 Error stopped(const std::string& id);
 Error no_frame_within(const std::string& id, Duration timeout);
+Error stream_fails(const std::string& id, Duration timeout);
 
 }  // namespace hdrcam

@@ -1,12 +1,17 @@
 // A USB camera whose driver is the test's.
 #include "hal/real/camera_v4l2.h"
 
+#include <fcntl.h>
 #include <linux/videodev2.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <climits>
 #include <deque>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "hal/real/control_refusals.h"
 #include "hal/sim/virtual_clock.h"
@@ -29,6 +34,8 @@ struct UsbDriver {
   std::optional<std::uint32_t> granted = {};  // buffers, whatever is asked for
   std::deque<std::uint32_t> queued{};
   std::uint32_t sequence = 0;
+  bool silent = false;  // it never fills a buffer
+  int dequeues = 0;     // so often it was asked for a filled one
 
   template <class T>
   static T& as(void* argument) {
@@ -61,7 +68,8 @@ struct UsbDriver {
         queued.push_back(as<v4l2_buffer>(argument).index);
         return 0;
       case VIDIOC_DQBUF:
-        return queued.empty() ? EAGAIN : fill(as<v4l2_buffer>(argument));
+        ++dequeues;
+        return silent || queued.empty() ? EAGAIN : fill(as<v4l2_buffer>(argument));
       default:
         return control(request, argument);
     }
@@ -96,10 +104,10 @@ struct UsbCameraUnderTest {
   UsbDriver driver{clock};
   test::AnsweredIoctl kernel{
       [this](unsigned long request, void* argument) { return driver(request, argument); }};
+  std::string node = std::filesystem::canonical(test::scratch_folder("usb_driver")).string() + "/video0";
   std::unique_ptr<Camera> camera;
 
   UsbCameraUnderTest() {
-    const std::string node = test::scratch_folder("usb_driver") + "/video0";
     std::ofstream(node) << std::string(kBytes, '\0');  // what is mapped
     camera = value_of(open_v4l2_camera(node, {}, clock));
   }
@@ -109,6 +117,16 @@ struct UsbCameraUnderTest {
     value_of(camera->configure(kMode, 4));
     require_done(camera->start());
     for (int i = 0; i < 4; ++i) require_done(queue_one());
+  }
+  // From now on poll() says of its node that it failed, as of the end of a pipe that nobody reads.
+  void fail_in_poll() const {
+    std::array<int, 2> pipe{};
+    REQUIRE(::pipe2(pipe.data(), O_CLOEXEC) == 0);
+    std::error_code gone;
+    for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd"))
+      if (std::filesystem::read_symlink(file, gone) == node)
+        REQUIRE(::dup3(pipe[1], std::stoi(file.path().filename()), O_CLOEXEC) >= 0);
+    for (const int end : pipe) ::close(end);
   }
   // Whether the exposure of the next frame was late. Its buffer is free again.
   bool next_is_late() { return value_of(camera->wait(std::chrono::seconds(1))).control_late; }
@@ -175,6 +193,21 @@ TEST_CASE("a USB camera that takes no exposure any more ends the run, and one th
     }
     require_error(queued, code == EIO ? ErrorCode::Io : ErrorCode::Unsupported);
     CHECK(frames == most_frames);
+  }
+}
+
+TEST_CASE("a camera that says it is ready, or that it failed, and has no frame keeps no processor busy") {
+  for (const bool fails : {false, true}) {
+    CAPTURE(fails);
+    UsbCameraUnderTest usb;
+    usb.start();
+    usb.driver.silent = true;
+    if (fails) usb.fail_in_poll();
+    const auto waited = usb.camera->wait(milliseconds(200));
+    require_error(waited, fails ? ErrorCode::Io : ErrorCode::Timeout);
+    CHECK(usb.driver.dequeues < 100);
+    CHECK_THAT(waited.error().message, Catch::Contains(fails ? "reports that its stream failed"
+                                                             : "delivered no frame within 200 ms"));
   }
 }
 
