@@ -4,6 +4,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <mutex>
 #include <utility>
@@ -180,7 +181,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
   // complete. A device that does not take it is asked again at the next call, as long as that frame is not
-  // complete; then the frame tells that its exposure was late.
+  // complete; then the frame tells that its exposure was late. Not after a time-out: it takes seconds, in
+  // which no frame is taken, and that frame is over.
   Result<void> write_due_exposure() {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
@@ -188,6 +190,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     const Result<void> wrote = control_.write(due->request);
     const Instant now = clock_.now();
     if (wrote) pacer_.written(*due, now);
+    if (!wrote && wrote.error().sys_errno == ETIMEDOUT) pacer_.given_up(*due);
     return refusals_.answered(due->index, wrote, now);
   }
 

@@ -237,6 +237,17 @@ TEST_CASE("a paced control that was missed is not written any more, and its fram
   CHECK(stream.pacer.due()->request.cookie == 3);
 }
 
+TEST_CASE("a paced control that was given up is not due again, and its frame says so") {
+  PacedStream stream(8);
+  stream.write();
+  CHECK_FALSE(stream.complete());
+  stream.pacer.given_up(*stream.pacer.due());
+  CHECK_FALSE(stream.pacer.due().has_value());
+  CHECK(stream.complete());
+  stream.write();
+  CHECK_FALSE(stream.complete());
+}
+
 TEST_CASE("a paced control that is written late says so, and only that one") {
   PacedStream stream(64);
   for (int frame = 0; frame < 60; ++frame) {
