@@ -137,7 +137,8 @@ Result<void> ExposureControl::take_over() {
 void ExposureControl::give_back() {
   for (const Found& found : found_) {
     v4l2_control control{found.id, found.value};
-    (void)ask_again(*node_, VIDIOC_S_CTRL, &control);
+    // one that hangs would let each of them time out: half a minute, at the end of a run
+    if (ask_again(*node_, VIDIOC_S_CTRL, &control) == ETIMEDOUT) break;
   }
   found_.clear();
 }

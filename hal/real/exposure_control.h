@@ -35,8 +35,8 @@ class ExposureControl {
   bool exists() const { return exposure_.id != 0; }
   // Switches automatic exposure, gain, white balance and frame rate off.
   Result<void> take_over();
-  // Puts back what it found at the first take_over(), as far as the device takes it: a USB camera keeps its
-  // controls when it is closed, and the next program expects them as they were.
+  // Puts back what it found at the first take_over(), as far as the device takes it, and until one times out:
+  // a USB camera keeps its controls when it is closed, and the next program expects them as they were.
   void give_back();
   // Sets a constant frame duration on a sensor; the picture is `width` x `height` pixels. Returns the
   // resulting duration.

@@ -129,6 +129,21 @@ TEST_CASE("a camera whose transfers fail once each loses no control, and gets al
   CHECK(driver.values == before);
 }
 
+TEST_CASE("a camera that does not answer any more holds the end of a run up by one time-out") {
+  SensorDriver driver;
+  bool hangs = false;
+  int timed_out = 0;
+  const test::AnsweredIoctl kernel([&](unsigned long request, void* argument) {
+    return hangs ? (++timed_out, ETIMEDOUT) : driver(request, argument);
+  });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  ExposureControl control = ExposureControl::of_sensor(sensor, "imx219 10-0010");
+  require_done(control.take_over());
+  hangs = true;
+  control.give_back();
+  CHECK(timed_out == 1);
+}
+
 TEST_CASE(
     "the frame duration of a sensor whose blanking has steps is that of the step that its driver took") {
   SensorDriver driver;
