@@ -39,6 +39,7 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 #include "hal/real/control_pacer.h"
 #include "hal/real/libcamera_black.h"
 #include "hal/real/libcamera_buffers.h"
+#include "hal/real/libcamera_error.h"
 #include "hal/real/libcamera_formats.h"
 #include "hal/real/recent_stamp.h"
 #include "hal/real/stream_errors.h"
@@ -66,26 +67,6 @@ Result<std::shared_ptr<lc::CameraManager>> camera_manager() {
     return Error{ErrorCode::Io, fmt::format("libcamera does not start: {}", std::strerror(-code)), -code};
   running = manager;
   return manager;
-}
-
-Error libcamera_error(int code, const std::string& id, const char* doing) {
-  switch (-code) {
-    case EBUSY:
-      return {ErrorCode::Busy,
-              fmt::format("camera '{}' is in use by another program; stop it or choose another camera", id),
-              EBUSY};
-    case EACCES:
-    case EPERM:
-      return {ErrorCode::Permission,
-              fmt::format(
-                  "no permission for camera '{}'; add this user to the group 'video' and log in again", id),
-              -code};
-    case ENODEV:
-      return {ErrorCode::Unplugged, fmt::format("camera '{}' was unplugged", id), ENODEV};
-    default:
-      return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, std::strerror(-code)),
-              -code};
-  }
 }
 
 bool offers(const lc::Camera& camera, const lc::ControlId& id) {
@@ -208,6 +189,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       if (gone_) return libcamera_error(-ENODEV, capabilities_.id, "start");
       first_ = count_ = 0;
       pacer_.restart(), frames_.restart();
+      for (Request& request : requests_) request.turn.reset();
     }
     lc::ControlList controls(camera_->controls());
     take_over(controls);
@@ -227,7 +209,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     lc::Request& request = *requests_[slot].own;
     request.reuse(lc::Request::ReuseBuffers);
     if (std::exchange(first_request_, false)) take_over(request.controls());
-    const auto turn = set_exposure(request.controls(), wanted);
+    const auto turn = set_exposure(requests_[slot], wanted);
     slots_.queue(slot, wanted.cookie);
     if (const int code = camera_->queueRequest(&request); code != 0) {
       slots_.free(slot);
@@ -276,6 +258,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     bool control_late = false;
     bool cancelled = false;  // while the stream ran
     CompletedFrames::Place place;
+    std::optional<ControlPacer::Turn> turn;  // at the controls, that it carries; under completions_mutex_
   };
 
   void give_back(int index) override {
@@ -338,13 +321,14 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   }
 
   // The controls of the request: its own exposure, or (paced) the exposure of the next frame.
-  std::optional<ControlPacer::Turn> set_exposure(lc::ControlList& controls, const ExposureRequest& wanted) {
+  std::optional<ControlPacer::Turn> set_exposure(Request& request, const ExposureRequest& wanted) {
+    lc::ControlList& controls = request.own->controls();
     std::optional<ControlPacer::Turn> turn;
     if (!capabilities_.sets_exposure) return turn;
     if (paced_) {
       const std::lock_guard completions(completions_mutex_);
       pacer_.queued(wanted);
-      turn = pacer_.next();
+      turn = request.turn = pacer_.next();
     }
     const ExposureRequest& now = turn ? turn->request : wanted;
     controls.set(lc::controls::ExposureTime,
@@ -405,9 +389,19 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       own.place = cancelled ? frames_.cancelled(timestamp, mode_.frame_duration)
                             : frames_.completed(frame.sequence, timestamp);
       completed_[(first_ + count_++) % completed_.size()] = index;
-      if (paced_) own.control_late = pacer_.completed(own.place.timestamp);
+      if (paced_) own.control_late = completed_late(own.place.timestamp);
     }
     changed_.notify_one();
+  }
+  // libcamera cancels a request whose controls the device refused, and completes it in its turn: later than
+  // the frame that they were for. Until that frame nobody uses a request again that carries its controls.
+  bool completed_late(Instant timestamp) {
+    const auto turn = pacer_.next();
+    for (const Request& request : requests_)
+      if (turn && request.turn && request.turn->index == turn->index &&
+          request.own->status() == lc::Request::RequestCancelled)
+        pacer_.given_up(*turn);
+    return pacer_.completed(timestamp);
   }
   void on_disconnected() {
     {

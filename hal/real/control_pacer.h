@@ -40,8 +40,12 @@ class ControlPacer {
     unwritten_ = turn.index + 1;
     if (turn.index == completed_) ring_[turn.index % kDepth].late = turn.index > 0 && is_late(now - begun_);
   }
-  // It will not be written: its frame goes without.
-  void given_up(const Turn& turn) { unwritten_ = std::max(unwritten_, turn.index + 1); }
+  // It was not written, though it was said to be, or will not be: its frame goes without.
+  void given_up(const Turn& turn) {
+    if (turn.index < completed_) return;
+    unwritten_ = std::max(unwritten_, turn.index + 1);
+    ring_[turn.index % kDepth].late = true;
+  }
   // Records a complete frame. Returns whether its request's exposure was written late or never.
   bool completed(Instant timestamp) {
     if (completed_ > 0) interval_.add(timestamp - begun_);

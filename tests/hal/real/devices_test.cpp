@@ -248,6 +248,17 @@ TEST_CASE("a paced control that was given up is not due again, and its frame say
   CHECK_FALSE(stream.complete());
 }
 
+TEST_CASE("a paced control whose write failed after all is late, and no other") {
+  PacedStream stream(8);
+  for (std::uint64_t frame = 0; frame < 8; ++frame) {
+    const auto turn = *stream.pacer.due();
+    stream.write();
+    if (frame == 3) stream.pacer.given_up(turn);
+    CHECK(stream.complete() == (frame == 3));
+    stream.pacer.given_up(turn);  // its frame is complete
+  }
+}
+
 TEST_CASE("a paced control that is written late says so, and only that one") {
   PacedStream stream(64);
   for (int frame = 0; frame < 60; ++frame) {
