@@ -33,9 +33,10 @@ struct Nodes {
   V4l2Identity identity;
   std::optional<MediaGraph> graph;
   std::optional<DeviceNode> media, sensor;
+  std::optional<Error> forbidden;  // a media node, which may be that of the graph
 };
 
-Result<Nodes> open_nodes(const std::string& path) {
+Result<Nodes> open_nodes(const std::string& path, const V4l2Options& options) {
   auto video = TRY(DeviceNode::open(path));
   auto identified = identify(video);
   if (!identified && identified.error().sys_errno == ENOTTY)
@@ -46,10 +47,11 @@ Result<Nodes> open_nodes(const std::string& path) {
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' ({}) is not a camera that streams; 'hdrcam list' shows those that are",
                              path, identity.card)};
-  Nodes nodes{std::move(video), std::move(identity), {}, {}, {}};
-  auto graph = media_graph_of(path);
+  Nodes nodes{std::move(video), std::move(identity), {}, {}, {}, {}};
+  auto graph = media_graph_of(path, options.media_nodes);
+  if (!graph && graph.error().code == ErrorCode::Permission) nodes.forbidden = graph.error();
   if (!graph || !graph->has_value())
-    return nodes;  // no accessible media controller: the capture node suffices
+    return nodes;  // no accessible media controller: the capture node suffices, or configure() says so
   nodes.graph = std::move(**graph);
   if (auto media = DeviceNode::open(nodes.graph->node); media.ok()) nodes.media = std::move(*media);
   if (!nodes.graph->sensor_node.empty()) nodes.sensor = TRY(DeviceNode::open(nodes.graph->sensor_node));
@@ -93,6 +95,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
     const std::lock_guard lock(mutex_);
     TRY(check_configurable(wanted, buffers));
+    TRY(check_sensor_reached());
     slots_.reset(0);
     TRY(stream_.allocate(0));  // a queue with buffers keeps its format
     const StreamMode sent = nodes_.graph ? TRY(set_format_along(nodes_.graph->path, wanted)) : wanted;
@@ -179,6 +182,14 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     return slots_.check_none_leased();
   }
 
+  // A capture node that lets formats and exposure be set needs no other; of another its sensor's are needed.
+  Result<void> check_sensor_reached() const {
+    if (!nodes_.forbidden || (control_.exists() && !nodes_.identity.media_controlled)) return {};
+    Error error = *nodes_.forbidden;
+    error.message = fmt::format("the sensor of '{}' cannot be found: {}", nodes_.video.path(), error.message);
+    return error;
+  }
+
   // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
   // complete. A device that does not take it is asked again at the next call, as long as that frame is not
   // complete; then the frame tells that its exposure was late. Not after a time-out: it takes seconds, in
@@ -258,7 +269,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
 Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& node, const V4l2Options& options,
                                                  Clock& clock) {
-  auto nodes = TRY(open_nodes(node));
+  auto nodes = TRY(open_nodes(node, options));
   return std::unique_ptr<Camera>(std::make_unique<V4l2Camera>(std::move(nodes), options, clock));
 }
 

@@ -7,19 +7,23 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/camera.h"
 #include "hal/clock.h"
+#include "hal/real/device_node.h"
 #include "hal/real/exposure_control.h"
 
 namespace hdrcam {
 
 struct V4l2Options {
-  std::optional<PrivateExposureControl> exposure_control;  // instead of the standard ones
+  std::optional<PrivateExposureControl> exposure_control{};      // instead of the standard ones
+  std::vector<std::string> media_nodes = device_nodes("media");  // where its sensor is looked for
 };
 
 // node: "/dev/video0". NotFound, Permission, Unsupported (not a camera), Unplugged. A camera that another
-// program streams from opens; its configure() answers Busy and names the program.
+// program streams from opens; its configure() answers Busy and names the program. That of a camera that needs
+// a sensor, which may be behind a media node that this user may not open, answers Permission.
 Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& node, const V4l2Options& options = {},
                                                  Clock& clock = posix_clock());
 

@@ -5,9 +5,8 @@
 #include <sys/sysmacros.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
-
-#include "hal/real/device_node.h"
 
 namespace hdrcam {
 namespace {
@@ -111,11 +110,12 @@ bool find_sensor(const Topology& graph, const media_v2_entity& from, MediaGraph&
 
 }  // namespace
 
-Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node) {
+Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node,
+                                                 const std::vector<std::string>& media_nodes) {
   struct stat status {};
   if (::stat(video_node.c_str(), &status) != 0) return device_error(errno, video_node, "find it");
   std::optional<Error> refused;
-  for (const std::string& node : device_nodes("media")) {
+  for (const std::string& node : media_nodes) {
     auto media = DeviceNode::open(node);
     if (!media) {
       refused = media.error();

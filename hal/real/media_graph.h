@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/core/result.h"
+#include "hal/real/device_node.h"
 
 namespace hdrcam {
 
@@ -24,7 +25,9 @@ struct MediaGraph {
   std::vector<SubdevicePad> path;  // in the direction of the data: sensor first
 };
 
-// nullopt where no media device has the capture node. Permission where one exists that may not be opened.
-Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node);
+// nullopt where none of these media devices has the capture node. Permission where one exists that may not be
+// opened.
+Result<std::optional<MediaGraph>> media_graph_of(
+    const std::string& video_node, const std::vector<std::string>& media_nodes = device_nodes("media"));
 
 }  // namespace hdrcam

@@ -19,6 +19,8 @@
 #include "tests/support/answered_ioctl.h"
 #include "tests/support/scratch_folder.h"
 
+#include "tests/support/as_nobody.h"
+
 namespace hdrcam {
 namespace {
 
@@ -34,8 +36,9 @@ struct UsbDriver {
   std::optional<std::uint32_t> granted = {};  // buffers, whatever is asked for
   std::deque<std::uint32_t> queued{};
   std::uint32_t sequence = 0;
-  bool silent = false;  // it never fills a buffer
-  int dequeues = 0;     // so often it was asked for a filled one
+  bool sets_exposure = true;  // on the capture node
+  bool silent = false;        // it never fills a buffer
+  int dequeues = 0;           // so often it was asked for a filled one
 
   template <class T>
   static T& as(void* argument) {
@@ -82,7 +85,7 @@ struct UsbDriver {
     if (request != VIDIOC_QUERY_EXT_CTRL) return ENOTTY;
     auto& asked = as<v4l2_query_ext_ctrl>(argument);
     asked.minimum = 1, asked.maximum = 5000, asked.step = 1;
-    return asked.id == V4L2_CID_EXPOSURE_ABSOLUTE ? 0 : EINVAL;
+    return sets_exposure && asked.id == V4L2_CID_EXPOSURE_ABSOLUTE ? 0 : EINVAL;
   }
 
   int fill(v4l2_buffer& buffer) {
@@ -208,6 +211,29 @@ TEST_CASE("a camera that says it is ready, or that it failed, and has no frame k
     CHECK(usb.driver.dequeues < 100);
     CHECK_THAT(waited.error().message, Catch::Contains(fails ? "reports that its stream failed"
                                                              : "delivered no frame within 200 ms"));
+  }
+}
+
+TEST_CASE("a camera that needs a sensor behind a media node that may not be opened says so when configured") {
+  for (const bool sets_exposure : {true, false}) {
+    CAPTURE(sets_exposure);
+    UsbCameraUnderTest usb;
+    usb.driver.sets_exposure = sets_exposure;
+    std::filesystem::permissions(usb.node, std::filesystem::perms(0666));
+    const std::string media = usb.node + "-media";
+    std::ofstream(media) << "closed";
+    std::filesystem::permissions(media, std::filesystem::perms::none);
+    const test::AsNobody nobody;
+    usb.camera = value_of(open_v4l2_camera(usb.node, {.media_nodes = {media}}, usb.clock));
+    const auto configured = usb.camera->configure(kMode, 4);
+    if (sets_exposure) {
+      value_of(configured);
+      continue;
+    }
+    require_error(configured, ErrorCode::Permission);
+    CHECK_THAT(configured.error().message,
+               Catch::StartsWith(fmt::format(
+                   "the sensor of '{}' cannot be found: no permission for '{}': ", usb.node, media)));
   }
 }
 
