@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "capture/drop_streak.h"
+
 namespace hdrcam {
 
 DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& longer,
@@ -137,7 +139,9 @@ Result<void> observe_pictures(Camera& camera, const DelayMeasurement& how, const
   const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * how.mode.frame_duration);
   const PixelCodes kind = codes_of(how.mode.format);
   const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(how.frames);
+  const std::string& id = camera.capabilities().id;
   CalibrationRequests requests(camera, calibration);
+  DropStreak drops;
   PhotometricSignature picture;
   Image<std::uint16_t> codes;
   std::uint64_t index = 0, sequence = 0;
@@ -152,7 +156,12 @@ Result<void> observe_pictures(Camera& camera, const DelayMeasurement& how, const
       sequence = buffer.sequence;
       completed = buffer.cookie;
       if (buffer.control_late) calibration.written_late();
-      readable = !buffer.damaged && unpack_pixels(buffer, how.unpack, codes).ok();
+      if (buffer.damaged)
+        TRY(drops.damaged(id));
+      else if (const Result<void> unpacked = unpack_pixels(buffer, how.unpack, codes); !unpacked)
+        TRY(drops.not_decoded(id, unpacked.error()));
+      else
+        drops.end(), readable = true;
     }  // the buffer goes back before the next request needs it
     TRY(requests.queue_next());
     if (!readable) {
@@ -174,8 +183,9 @@ Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
                                PhotometricResponse::before_any_fit(linear, std::nullopt));
   TRY(camera.start());
   const Result<void> observed = observe_pictures(camera, how, stop, calibration);
-  TRY(camera.stop());
-  if (!observed) return observed.error();
+  const Result<void> stopped = camera.stop();
+  if (!observed) return observed.error();  // the first of the two is the reason
+  TRY(stopped);
   return calibration.estimate();
 }
 

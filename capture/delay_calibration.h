@@ -75,8 +75,8 @@ struct DelayMeasurement {
   int frames = 120;                 // it ends after so many, or twice their time where many are lost
 };
 
-// Starts the camera, which is configured, runs the calibration and stops it. Errors: the camera's own;
-// Interrupted at the next frame after `stop`; an unknown delay is not an error.
+// Starts the camera, which is configured, runs the calibration and stops it. Errors: the camera's own; those
+// of DropStreak; Interrupted at the next frame after `stop`; an unknown delay is not an error.
 Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
                                     const std::atomic<bool>& stop);
 

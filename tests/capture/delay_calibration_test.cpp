@@ -79,6 +79,14 @@ TEST_CASE("frames that arrive damaged use up their requests, and mislead nobody"
   }
 }
 
+TEST_CASE("a camera that delivers damaged frames alone is told of as that, not as a scene too dark",
+          "[capture]") {
+  MisbehavingCamera camera({.per_request = false}, {.damage = 1});
+  const auto estimate = measure_delay(camera, measurement(camera), kGoOn);
+  require_error(estimate, ErrorCode::Corrupt);
+  CHECK_THAT(estimate.error().message, Catch::Contains("check the camera's cable"));
+}
+
 TEST_CASE("exposures that the camera says were written late count neither for a delay nor against it",
           "[capture]") {
   for (int latency = 0; latency <= 3; ++latency) {
