@@ -129,13 +129,13 @@ Result<std::optional<int>> gain_delay(Camera& camera, const CaptureOptions& opti
 Result<ControlDelays> measure_delays(Camera& camera, const Settings& settings,
                                      const std::atomic<bool>& stop) {
   const CameraCapabilities& capabilities = camera.capabilities();
+  CaptureSetup setup = TRY(capture_setup(settings, capabilities));
+  StreamMode& mode = setup.options.mode;
+  mode = TRY(camera.configure(mode, setup.options.buffers));  // which knows of a sensor that it cannot reach
   if (!capabilities.sets_exposure)
     return Error{
         ErrorCode::Unsupported,
         fmt::format("the exposure of '{}' cannot be set; there is no delay to measure", capabilities.id)};
-  CaptureSetup setup = TRY(capture_setup(settings, capabilities));
-  StreamMode& mode = setup.options.mode;
-  mode = TRY(camera.configure(mode, setup.options.buffers));
   setup.options.buffers = capabilities.buffers.value_or(setup.options.buffers);
   const auto schedule =
       TRY(ExposureSchedule::create(setup.cycle, capabilities, mode.frame_duration, setup.mains));

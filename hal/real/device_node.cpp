@@ -114,6 +114,13 @@ std::vector<std::string> device_nodes(std::string_view beginning) {
   return nodes;
 }
 
+std::optional<Error> closed_node(const std::vector<std::string>& nodes) {
+  for (const std::string& node : nodes)
+    if (const auto opened = DeviceNode::open(node); !opened && opened.error().code == ErrorCode::Permission)
+      return opened.error();
+  return std::nullopt;
+}
+
 std::string holder_of(const std::string& path) {
   std::error_code ignored;
   const fs::path canonical = fs::canonical(path, ignored);  // of a link like those of /dev/v4l/by-id

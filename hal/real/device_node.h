@@ -2,6 +2,7 @@
 // which group may open it, that it was unplugged. Thread-compatible.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,6 +45,10 @@ bool is_failed_transfer(int code);
 
 // The nodes whose names begin so, such as "video": "/dev/video0" first, and 2 before 10.
 std::vector<std::string> device_nodes(std::string_view beginning);
+
+// Why the first of these nodes that this user may not open is closed: Permission, and how to get it. nullopt
+// where all may be opened, or are none.
+std::optional<Error> closed_node(const std::vector<std::string>& nodes);
 
 // "'name' (process 123)" of another process of this user that has the node open; empty where none can be
 // seen.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "hal/core/counted.h"
@@ -122,12 +123,15 @@ void add_graphics(std::vector<FoundDevice>& devices) {
   }
 }
 
-// Used when there is no camera: the nodes that exist but may not be opened.
+// A node of cameras that exists but may not be opened: libcamera lists no camera behind it.
+std::optional<Error> closed_camera_node() {
+  if (auto closed = closed_node(device_nodes("video"))) return closed;
+  return closed_node(device_nodes("media"));
+}
+
+// Used when there is no camera.
 std::string what_stands_in_the_way() {
-  for (const char* beginning : {"video", "media"})
-    for (const std::string& node : device_nodes(beginning))
-      if (const auto opened = DeviceNode::open(node); !opened && opened.error().code == ErrorCode::Permission)
-        return opened.error().message;
+  if (const auto closed = closed_camera_node()) return closed->message;
   return "connect one and see 'hdrcam list', or use --camera sim:SCENE";
 }
 
@@ -158,13 +162,15 @@ std::vector<FoundDevice> list_devices() {
 Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock) {
   if (id.empty()) return open_only_camera(clock);
   if (id.starts_with("/dev/")) return open_v4l2_camera(id, {}, clock);
-  if (id.starts_with(kLibcameraPrefix))
-    return open_libcamera_camera(id.substr(std::string(kLibcameraPrefix).size()), clock);
-  auto camera = open_libcamera_camera(id, clock);
-  if (!camera && camera.error().code == ErrorCode::NotFound && device_nodes("video").empty() &&
-      device_nodes("media").empty())
+  const bool names_libcamera = id.starts_with(kLibcameraPrefix);
+  auto camera =
+      open_libcamera_camera(names_libcamera ? id.substr(std::string(kLibcameraPrefix).size()) : id, clock);
+  if (camera || camera.error().code != ErrorCode::NotFound) return camera;
+  if (!names_libcamera && device_nodes("video").empty() && device_nodes("media").empty())
     return Error{ErrorCode::NotFound,
                  fmt::format("there is no camera '{}', nor any other; {}", id, what_stands_in_the_way())};
+  if (const auto closed = closed_camera_node())
+    return Error{ErrorCode::NotFound, fmt::format("{}; {}", camera.error().message, closed->message)};
   return camera;
 }
 

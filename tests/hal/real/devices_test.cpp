@@ -25,6 +25,8 @@
 #include "tests/support/not_tested.h"
 #include "tests/support/scratch_folder.h"
 
+#include "tests/support/as_nobody.h"
+
 namespace hdrcam {
 namespace {
 
@@ -148,6 +150,21 @@ TEST_CASE("who holds a busy device is another program, or unknown, and never thi
   ::pclose(other);
   CHECK_THAT(holder,
              Catch::Contains("(process ") && !Catch::Contains(fmt::format("(process {})", ::getpid())));
+}
+
+TEST_CASE("of some nodes the first that this user may not open is named, with how to get permission") {
+  const std::string folder = test::scratch_folder("closed_nodes"), open = folder + "/video0",
+                    closed = folder + "/video1";
+  for (const std::string& node : {open, closed}) std::ofstream(node) << "a node";
+  std::filesystem::permissions(open, std::filesystem::perms(0666));
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  const test::AsNobody nobody;
+  CHECK_FALSE(closed_node({}).has_value());
+  CHECK_FALSE(closed_node({open, folder + "/video2"}).has_value());
+  const auto found = closed_node({open, closed});
+  REQUIRE(found.has_value());
+  CHECK(found->code == ErrorCode::Permission);
+  CHECK_THAT(found->message, Catch::StartsWith(fmt::format("no permission for '{}': ", closed)));
 }
 
 TEST_CASE("a control that a device in use refuses is told as that, and never as a full queue") {
