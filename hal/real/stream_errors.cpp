@@ -44,7 +44,11 @@ std::int64_t in_ms(Duration time) {
 }  // namespace
 
 Error no_frame_within(const std::string& id, Duration timeout) {
-  return {ErrorCode::Timeout, fmt::format("camera '{}' delivered no frame within {} ms", id, in_ms(timeout))};
+  return {
+      ErrorCode::Timeout,
+      fmt::format("camera '{}' delivered no frame within {} ms (check its cable and its hub, or plug it in "
+                  "again)",
+                  id, in_ms(timeout))};
 }
 
 Error stream_fails(const std::string& id, Duration timeout) {

@@ -20,7 +20,8 @@ Result<void> check_buffers(int buffers, int most);
 // Invalid for a picture without pixels.
 Result<void> check_size(const StreamMode& wanted);
 
-// Interrupted, Timeout and Io: of wait(). A stream fails where its device says so, and not why.
+// Interrupted, Timeout and Io: of wait(). A stream fails where its device says so, and not why. The sentence
+// of a time-out may go on: with the pulses that a trigger drove meanwhile.
 Error stopped(const std::string& id);
 Error no_frame_within(const std::string& id, Duration timeout);
 Error stream_fails(const std::string& id, Duration timeout);
