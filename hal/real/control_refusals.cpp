@@ -8,7 +8,6 @@ namespace hdrcam {
 namespace {
 
 bool is_held(int code) { return code == EBUSY || code == EAGAIN; }
-bool is_of_bus(int code) { return is_failed_transfer(code) || code == ETIMEDOUT || code == ESHUTDOWN; }
 
 // Others are of the value, or of the device itself.
 bool may_pass(int code) { return is_held(code) || is_of_bus(code); }
@@ -17,7 +16,7 @@ std::string what_to_do(int code) {
   if (is_held(code))
     return "; stop the program that holds its controls ('hdrcam list' names one that has it open), or plug "
            "the camera in again";
-  if (is_of_bus(code)) return "; check its cable and its hub, or plug the camera in again";
+  if (is_of_bus(code)) return fmt::format("; {}", kCheckCable);
   // the node is open, so this user may use it: the control itself takes no value now
   if (code == EACCES || code == EPERM)
     return "; another program may have switched its automatic exposure on again: stop that one";

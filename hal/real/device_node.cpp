@@ -83,14 +83,12 @@ Error device_error(int code, const std::string& path, const std::string& doing) 
                       path, doing),
           code};
     case ENOSPC:
-      return {
-          ErrorCode::Io,
-          fmt::format("'{}' cannot {}: the USB bus has no bandwidth left for it; choose a smaller size, a "
-                      "lower frame rate or MJPEG, or plug it into another bus",
-                      path, doing),
-          code};
+      return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, kNoBandwidth), code};
     default:
-      return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
+      return {ErrorCode::Io,
+              fmt::format("'{}' cannot {}: {}{}", path, doing, std::strerror(code),
+                          is_of_bus(code) ? fmt::format("; {}", kCheckCable) : ""),
+              code};
   }
 }
 
@@ -99,6 +97,8 @@ Error control_error(int code, const std::string& path, const std::string& doing)
   if (gone || never) return device_error(code, path, doing);
   return {ErrorCode::Io, fmt::format("'{}' refused to {}: {}", path, doing, std::strerror(code)), code};
 }
+
+bool is_of_bus(int code) { return is_failed_transfer(code) || code == ETIMEDOUT || code == ESHUTDOWN; }
 
 bool is_failed_transfer(int code) {
   return code == EIO || code == EPIPE || code == EPROTO || code == EILSEQ || code == EREMOTEIO;

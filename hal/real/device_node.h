@@ -34,6 +34,12 @@ class DeviceNode {
   std::string path_;
 };
 
+// What to do about some of these errors.
+inline constexpr const char* kCheckCable = "check its cable and its hub, or plug it in again";
+inline constexpr const char* kNoBandwidth =
+    "the USB bus has no bandwidth left for it; choose a smaller size, a lower frame rate or MJPEG, or plug "
+    "it into another bus";
+
 // The Error for an errno that the device answered while `doing` something with it.
 Error device_error(int code, const std::string& path, const std::string& doing);
 
@@ -42,6 +48,8 @@ Error control_error(int code, const std::string& path, const std::string& doing)
 
 // Whether this errno says that a transfer over the bus failed; the device usually takes the next one.
 bool is_failed_transfer(int code);
+// The same, or that it took too long, or that the bus was shut down.
+bool is_of_bus(int code);
 
 // The nodes whose names begin so, such as "video": "/dev/video0" first, and 2 before 10.
 std::vector<std::string> device_nodes(std::string_view beginning);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hal/core/result.h"
+#include "hal/real/device_node.h"
 
 namespace hdrcam {
 
@@ -24,8 +25,12 @@ inline Error libcamera_error(int code, const std::string& id, const char* doing)
               -code};
     case ENODEV:
       return {ErrorCode::Unplugged, fmt::format("camera '{}' was unplugged", id), ENODEV};
+    case ENOSPC:
+      return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, kNoBandwidth), ENOSPC};
     default:
-      return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, std::strerror(-code)),
+      return {ErrorCode::Io,
+              fmt::format("camera '{}' cannot {}: {}{}", id, doing, std::strerror(-code),
+                          is_of_bus(-code) ? fmt::format("; {}", kCheckCable) : ""),
               -code};
   }
 }

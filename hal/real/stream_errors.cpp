@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "hal/real/device_node.h"
+
 namespace hdrcam {
 
 Error must_stop_to_configure(const std::string& id) {
@@ -44,18 +46,15 @@ std::int64_t in_ms(Duration time) {
 }  // namespace
 
 Error no_frame_within(const std::string& id, Duration timeout) {
-  return {
-      ErrorCode::Timeout,
-      fmt::format("camera '{}' delivered no frame within {} ms (check its cable and its hub, or plug it in "
-                  "again)",
-                  id, in_ms(timeout))};
+  return {ErrorCode::Timeout,
+          fmt::format("camera '{}' delivered no frame within {} ms ({})", id, in_ms(timeout), kCheckCable)};
 }
 
 Error stream_fails(const std::string& id, Duration timeout) {
   return {ErrorCode::Io,
           fmt::format("camera '{}' reports that its stream failed, and delivered no frame within {} ms; run "
-                      "again, check its cable and its hub, or plug it in again",
-                      id, in_ms(timeout))};
+                      "again, {}",
+                      id, in_ms(timeout), kCheckCable)};
 }
 
 }  // namespace hdrcam

@@ -66,7 +66,7 @@ TEST_CASE("a run does not end before three frames were refused, however long the
 }
 
 TEST_CASE("the end of a run by refused exposures says what to do about this refusal") {
-  const std::string cable = "; check its cable and its hub, or plug the camera in again";
+  const std::string cable = "; check its cable and its hub, or plug it in again";
   const std::string program =
       "; stop the program that holds its controls ('hdrcam list' names one that has it open), or plug the "
       "camera in again";

@@ -18,6 +18,7 @@
 #include "hal/real/device_node.h"
 #include "hal/real/enumerate.h"
 #include "hal/real/known_sensors.h"
+#include "hal/real/libcamera_error.h"
 #include "hal/real/sync_line_gpiod.h"
 #include "hal/real/v4l2_formats.h"
 #include "tests/contracts/expect.h"
@@ -132,6 +133,18 @@ TEST_CASE("a USB bus that has no room for a stream is not told of as a full disk
   const Error error = device_error(ENOSPC, "/dev/video5", "start its stream");
   CHECK_THAT(error.message, Catch::StartsWith("'/dev/video5' cannot start its stream: the USB bus has no "
                                               "bandwidth left for it; choose a smaller size"));
+  const Error by_libcamera = libcamera_error(-ENOSPC, "usb-1", "start its stream");
+  CHECK_THAT(by_libcamera.message,
+             Catch::StartsWith("camera 'usb-1' cannot start its stream: the USB bus has no bandwidth left"));
+}
+
+TEST_CASE("a device whose bus fails says what to check, whichever driver tells it") {
+  const char* const advice = "check its cable and its hub, or plug it in again";
+  for (const int code : {EIO, EPROTO, EREMOTEIO, ETIMEDOUT}) {
+    CHECK_THAT(device_error(code, "/dev/video5", "deliver a frame").message, Catch::EndsWith(advice));
+    CHECK_THAT(libcamera_error(-code, "usb-1", "start its stream").message, Catch::EndsWith(advice));
+  }
+  CHECK_THAT(device_error(ENOMEM, "/dev/video5", "map its buffers").message, !Catch::Contains(advice));
 }
 
 TEST_CASE("who holds a busy device is another program, or unknown, and never this one") {
