@@ -79,7 +79,10 @@ Error line_error(int code, const std::string& name, const std::string& consumer)
     case ENXIO:
     case ENOTSUP:
       return {ErrorCode::Unsupported,
-              fmt::format("GPIO line '{}' cannot do this: {}", name, std::strerror(code)), code};
+              fmt::format("GPIO line '{}' cannot do this: {}; choose one that has interrupts (to hear a "
+                          "strobe), or that can be an output (to drive a trigger)",
+                          name, std::strerror(code)),
+              code};
     default:
       return {ErrorCode::Io, fmt::format("GPIO line '{}': {}", name, std::strerror(code)), code};
   }

@@ -94,6 +94,15 @@ TEST_CASE("GPIO lines are named by chip and number or by their own name") {
     CHECK_FALSE(parse_line_name(name).has_value());
 }
 
+TEST_CASE("a GPIO line that cannot be used as it is asked to says which kind to choose") {
+  for (const int code : {EINVAL, ENXIO, ENOTSUP}) {
+    const Error error = line_error(code, "gpiochip1:3", "");
+    CHECK(error.code == ErrorCode::Unsupported);
+    CHECK_THAT(error.message, Catch::StartsWith("GPIO line 'gpiochip1:3' cannot do this: ") &&
+                                  Catch::Contains("choose one that has interrupts"));
+  }
+}
+
 TEST_CASE("a GPIO line whose state cannot be read leaves those behind it their numbers") {
   const auto lines = lines_by_number(3, [](unsigned i) -> std::optional<GpioLineState> {
     if (i == 1) return std::nullopt;
