@@ -7,7 +7,7 @@ namespace {
 
 // dx/dz. In the dark the slope of the response is uncertain: the largest nearby is used.
 float slope_at(const Response& response, int channel, float code) {
-  constexpr float kDarkCode = 10;
+  constexpr float kDarkCode = 10;  // chosen, not measured
   float slope = response.slope(channel, code);
   if (code < kDarkCode)
     for (int d = -2; d <= 2; ++d)
@@ -18,7 +18,7 @@ float slope_at(const Response& response, int channel, float code) {
 // What a code leaves open of x, as variance: by the uncertainty of the response, and near black, where it is
 // a bound more than a measurement: what is darker, or was made so, reads the same.
 float doubt_of(const Response& response, int channel, float code, float x) {
-  constexpr int kBlackCode = 4, kSureCode = 8;
+  constexpr int kBlackCode = 4, kSureCode = 8;  // by ablation against 16 (docs/decisions/state.md)
   const float bound = response.inverse(channel)[kBlackCode] * (1 - smooth_step(kBlackCode, kSureCode, code));
   const float doubt = x * response.uncertainty(channel, code);
   return bound * bound + doubt * doubt;
@@ -28,8 +28,10 @@ float doubt_of(const Response& response, int channel, float code, float x) {
 
 void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
                              const VarianceExcess& excess) {
-  constexpr float kClean = 0.25f, kRings = 0.75f;  // codes rms, of code noise
-  // Noise is measured in smooth places, where compression leaves less: variance, of code noise.
+  // Of code noise, codes rms: clean clips have .1, compressed ones .8 and more (docs/decisions/state.md).
+  constexpr float kClean = 0.25f, kRings = 0.75f;
+  // Noise is measured in smooth places, where compression leaves less: variance that comes on top, in that of
+  // code noise. By ablation, as what is hidden (docs/decisions/noise.md).
   constexpr float kBeyondSmooth = 3;
   constexpr float kHiddenTexture = 4;  // codes rms
   static_assert(pass_constants::kCodes == Response::kCodes + 1, "a code and the next one are read together");

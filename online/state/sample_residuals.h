@@ -21,10 +21,11 @@ struct ResidualSampling {
   float least_confidence = kComparedConfidence;
   float misalignment = 0.05f;  // squared pixels per (2 pixels)^2: what a match may be off
   float relative = 0.05f;      // of radiance: contrast that does no harm
+  int enough_px = 9600;        // of a frame of any size; by ablation (docs/decisions/kernels.md)
 
-  // Between lines that are looked at: some 9600 pixels of a frame of any size tell the spread of all bins.
+  // Between lines that are looked at.
   int line_step_px(int rows, int cols) const {
-    return stride_px * std::max(1, rows * cols / (stride_px * stride_px) / 9600);
+    return stride_px * std::max(1, rows * cols / (stride_px * stride_px) / enough_px);
   }
   // How many lines of a picture of at least 3x3 pixels are looked at, and how many pixels of each.
   int lines(int rows, int cols) const {

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMargin = 2, kStride = 3;  // pixels
 constexpr float kMaxBlur = 1;            // pixels: a longer way during the exposure changes textures itself
-constexpr float kMinContrast = 10;       // over the variance of noise
+// Chosen, not measured; share()'s are (docs/decisions/noise.md).
+constexpr float kMinContrast = 10;       // over the variance of noise, which then adds at most a tenth
 constexpr std::ptrdiff_t kEnough = 300;  // comparisons
 constexpr float kLearning = 0.2f;        // share of a new frame
 
