@@ -58,7 +58,7 @@ class NoiseEstimator {
   // brightens later allocates nothing.
   struct Bin {
     static constexpr std::size_t kCapacity = 4096;
-    std::vector<float> differences;  // apart from their factors, for they are sorted
+    std::vector<float> differences;  // apart from their factors: their spread is found by sorting a copy
     std::vector<Factors<float>> factors;
     std::size_t next = 0;
     Bin() { differences.reserve(kCapacity), factors.reserve(kCapacity); }

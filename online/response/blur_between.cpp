@@ -127,7 +127,7 @@ struct Area {
 Area all_of(const Image<float>& picture) { return {0, 0, picture.cols(), picture.rows()}; }
 
 Texture texture_of(const Image<float>& picture, const Area& area, float darkest) {
-  constexpr int kApart = 2, kFar = 4;
+  constexpr int kApart = 2, kFar = 4;  // pixels
   const auto shows = [&](float code) { return code > darkest && code < clip_policy::kBlurClipped; };
   Texture sum;
   double fine = 0, coarse = 0;
@@ -210,7 +210,7 @@ class BlurSearch {
   // The length with which there is no more of a texture than is wanted.
   template <class With>
   float settled(double wanted, double Texture::*texture, With&& with) const {
-    constexpr float kLongest = 16;
+    constexpr float kLongest = 16;  // pixels
     constexpr int kSteps = 6;
     float shorter = 1, longer = kLongest;
     for (int step = 0; step < kSteps; ++step) {

@@ -53,8 +53,8 @@ double share_in_both(const SparseChannel& shorter, const SparseChannel& longer) 
   return static_cast<double>(seen - black) / static_cast<double>(longer.pixels());
 }
 
-// A code of unsorted pixels, which it puts into another order.
-float quantile(std::vector<float>& codes, double share) {
+// The code of unsorted pixels that has the rank of this share in a Ranking; puts them into another order.
+float unsorted_code_at(std::vector<float>& codes, double share) {
   const auto index = static_cast<std::size_t>(share * static_cast<double>(codes.size()));
   const auto at = codes.begin() + static_cast<std::ptrdiff_t>(std::min(codes.size() - 1, index));
   std::nth_element(codes.begin(), at, codes.end());
@@ -215,7 +215,7 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
 }
 
 void HistogramMatches::bound_black(std::size_t channel, std::vector<float> codes, BlackBounds bounds) {
-  const float darkest = quantile(codes, kDarkShare), most = quantile(codes, kBelowBlack);
+  const float darkest = unsorted_code_at(codes, kDarkShare), most = unsorted_code_at(codes, kBelowBlack);
   const bool anew = bounds == BlackBounds::Anew;
   darkest_[channel] = anew ? darkest : std::min(darkest_[channel], darkest);
   most_black_[channel] = anew ? most : std::min(most_black_[channel], most);

@@ -50,7 +50,9 @@ class HistogramMatches {
   // frames that show nothing; returns whether the pair counted.
   bool add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts);
 
-  int pairs() const { return pairs_; }  // that counted
+  // Those that counted; one that tells where white begins, and matches no code, does, too: how little that
+  // says of the curve the curve's uncertainty tells.
+  int pairs() const { return pairs_; }
   // channel: R G B.
   const OfChannel& of(std::size_t channel) const { return matches_[channel]; }
   // All exposures that occur, ascending (ExposureCorrections::key).
