@@ -18,8 +18,9 @@ class FieldRenderer final : public RenderBuffers {
   explicit FieldRenderer(GpuDevice* gpu = nullptr);
   ~FieldRenderer() override;
 
-  // The field must have at least one frame. With an exposure interval the radiance is the mean over instants
-  // in it; everything else belongs to its centre.
+  // The field must have at least one frame, and the layers of the first one rendered, whose sizes the buffers
+  // keep. With an exposure interval the radiance is the mean over instants in it; everything else belongs to
+  // its centre.
   void render(const RadianceField& field, const SceneView& view, WorkerPool& pool, FieldPicture& picture);
 
  private:
