@@ -51,6 +51,7 @@ TEST_CASE("an exposure that a device takes meanwhile begins the second anew") {
     }
     require_done(camera.next({}));
   }
+  CHECK(camera.until_end(EIO) >= 30);
 }
 
 TEST_CASE("a run does not end before three frames were refused, however long they take") {
