@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "firmware_host/sinks/dash.h"
@@ -18,6 +19,8 @@ namespace hdrcam {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kSceneExtension = ".hdrscene";
 
 // The names that numbered frames may get.
 struct NameSet {
@@ -136,15 +139,23 @@ Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
   const std::string& path = place.facts.real_path;
   const std::string extension = lower_extension(path);
   const bool own = (kind == OutputKind::Picture && extension == ".png") ||
-                   (kind == OutputKind::Scene && extension == ".hdrscene");
+                   (kind == OutputKind::Scene && extension == kSceneExtension);
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
-                    extension == ".hdrscene" || (kind != OutputKind::Document && describes_work(path));
+                    extension == kSceneExtension || (kind != OutputKind::Document && describes_work(path));
   if (own || !work) return {};
-  const char* replaced = describes_work(path)       ? "a clip or settings"
-                         : extension == ".hdrscene" ? "a saved scene"
-                                                    : "a picture or a recording";
+  const char* replaced = describes_work(path)           ? "a clip or settings"
+                         : extension == kSceneExtension ? "a saved scene"
+                                                        : "a picture or a recording";
   return Error{ErrorCode::Invalid,
                fmt::format("{} '{}' would replace {}; name another file", place.words, place.path, replaced)};
+}
+
+// By its name a later run knows a saved scene, and lets no page replace it; a pipe or a device may have any.
+Result<void> is_named_as_scene(const Place& place, OutputKind kind) {
+  if (kind != OutputKind::Scene || place.facts.kind == FileKind::Other) return {};
+  if (lower_extension(place.path) == kSceneExtension) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{} '{}' is not the name of a saved scene; name it scene{}",
+                                               place.words, place.path, kSceneExtension)};
 }
 
 // A message names the path once: what the storage says of it comes without its own "cannot write 'PATH'".
@@ -167,6 +178,7 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
         return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
                                                      place.words, place.path, other.words, other.path)};
     TRY(is_no_work_of_another_kind(place, output.kind));
+    TRY(is_named_as_scene(place, output.kind));
     if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(storage, place, output.kind));
     taken.push_back(std::move(place));
   }

@@ -180,9 +180,9 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
 
 TEST_CASE("a scene takes the place of a scene with --force only, and of no file of another kind") {
   const Desk desk("guard_scene");
-  for (const char* file : {"s.hdrscene", "noname", "take.mkv", "film.mp4", "000001.exr", "clip.json"})
+  for (const char* file : {"s.hdrscene", "S.HDRSCENE", "take.mkv", "film.mp4", "000001.exr", "clip.json"})
     desk.put(file);
-  for (const char* scene : {"s.hdrscene", "noname"}) {
+  for (const char* scene : {"s.hdrscene", "S.HDRSCENE"}) {
     const std::vector<NamedOutput> outputs{{"--snapshot", scene, OutputKind::Scene}};
     require_error(desk.check(outputs), ErrorCode::Exists);
     require_done(desk.check(outputs, Overwrite::Force));
@@ -193,7 +193,20 @@ TEST_CASE("a scene takes the place of a scene with --force only, and of no file 
     require_error(checked, ErrorCode::Invalid);
     CHECK(checked.error().message.find("would replace a") != std::string::npos);
   }
-  require_done(desk.check({{"--snapshot", "new.mkv", OutputKind::Scene}}));
+  require_done(desk.check({{"--snapshot", "new.hdrscene", OutputKind::Scene}}));
+}
+
+TEST_CASE("a scene is saved under a name that no later page takes for one of its own") {
+  const Desk desk("guard_scene_name");
+  desk.put("noname");
+  for (const char* name : {"new.mkv", "new.dat", "new", "noname"}) {
+    INFO(name);
+    const Result<void> checked = desk.check({{"--snapshot", name, OutputKind::Scene}}, Overwrite::Force);
+    require_error(checked, ErrorCode::Invalid);
+    CHECK(checked.error().message.find("is not the name of a saved scene; name it scene.hdrscene") !=
+          std::string::npos);
+  }
+  require_done(desk.check({{"--snapshot", "/dev/null", OutputKind::Scene}}));
 }
 
 TEST_CASE("an earlier recording is replaced with --force only") {
