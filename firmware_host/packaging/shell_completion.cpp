@@ -112,12 +112,12 @@ std::string zsh_value(const FlagEntry& flag) {
   return spec + fmt::format(":{}:{}", value, flag.kind == ValueKind::Text ? "_files" : "");
 }
 
-// The arguments of a verb in their order; the last one may be given again.
+// The arguments of a verb in their order; one that may be given again is the last.
 std::string zsh_arguments(const std::vector<FlagEntry>& arguments) {
   std::string specs;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const FlagEntry& argument = arguments[i];
-    const std::string place = i + 1 < arguments.size() ? std::to_string(i + 1) : "*";
+    const std::string place = argument.repeated ? "*" : std::to_string(i + 1);
     const std::string words = fmt::format("({})", fmt::join(argument.words, " "));
     specs += fmt::format(" \\\n        '{}:{}:{}'", place, argument.names.front(),
                          argument.words.empty() ? "_files" : words);
@@ -164,14 +164,23 @@ std::string fish_flag(const std::string& condition, const FlagEntry& flag) {
   return line + " -d " + in_quotes(with_escaped(flag.about, "\\")) + '\n';
 }
 
-// Of fish's condition: no other of the verb's own verbs is written than those that take the flag.
+// Of fish's condition: none of these words is written.
+std::string fish_unless(const std::vector<std::string>& words) {
+  return words.empty() ? "" : fmt::format("; and not __fish_seen_subcommand_from {}", fmt::join(words, " "));
+}
+
+// No other of the verb's own verbs is written than those that take the flag.
 std::string fish_unless_others(const VerbEntry& verb, const FlagEntry& flag) {
   std::vector<std::string> others;
   std::ranges::copy_if(verb.inner, std::back_inserter(others), [&](const std::string& inner) {
     return std::ranges::find(flag.inner, inner) == flag.inner.end();
   });
-  return others.empty() ? ""
-                        : fmt::format("; and not __fish_seen_subcommand_from {}", fmt::join(others, " "));
+  return fish_unless(others);
+}
+
+bool takes_files(const VerbEntry& verb) {
+  return std::ranges::any_of(verb.arguments,
+                             [](const FlagEntry& argument) { return argument.words.empty(); });
 }
 
 }  // namespace
@@ -190,7 +199,7 @@ std::string bash_completion(const CommandTable& table) {
   return fmt::format(R"(# Completion of hdrcam for bash; 'hdrcam completion bash' wrote it.
 _hdrcam() {{
   local verb=${{COMP_WORDS[1]}} current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}}
-  local flags= words= inner=
+  local flags= words= inner= word
   [ "$COMP_CWORD" -le 2 ] || inner=${{COMP_WORDS[2]}}
   COMPREPLY=()
   if [ "$COMP_CWORD" -le 1 ]; then
@@ -204,6 +213,9 @@ _hdrcam() {{
       case "$verb" in
 {}        help) [ "$COMP_CWORD" -gt 2 ] || words='{}' ;;
       esac
+      for word in "${{COMP_WORDS[@]:2:COMP_CWORD - 2}}"; do
+        [[ " $words " != *" $word "* ]] || words=
+      done
       [[ $current != -* ]] || words=$flags ;;
   esac
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
@@ -261,13 +273,13 @@ std::string fish_completion(const CommandTable& table) {
     // `help replay` names a verb, but takes none of its flags.
     const std::string here =
         fmt::format("__fish_seen_subcommand_from {}; and not __fish_seen_subcommand_from help", verb.name);
-    if (verb.arguments.empty()) text += fmt::format("complete -c hdrcam -n {} -f\n", in_quotes(here));
+    if (!takes_files(verb)) text += fmt::format("complete -c hdrcam -n {} -f\n", in_quotes(here));
     for (const FlagEntry& flag : verb.flags) text += fish_flag(here + fish_unless_others(verb, flag), flag);
     for (const FlagEntry& argument : verb.arguments)
       if (!argument.words.empty())
-        text += fmt::format("complete -c hdrcam -n {} -f -a {}\n",
-                            in_quotes(here + fish_unless_others(verb, argument)),
-                            in_quotes(fmt::format("{}", fmt::join(argument.words, " "))));
+        text +=
+            fmt::format("complete -c hdrcam -n {} -f -a {}\n", in_quotes(here + fish_unless(argument.words)),
+                        in_quotes(fmt::format("{}", fmt::join(argument.words, " "))));
   }
   return text;
 }

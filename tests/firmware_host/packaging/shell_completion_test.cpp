@@ -137,6 +137,20 @@ TEST_CASE("bash offers the words of a flag, however the value is attached, and n
   CHECK(offered.at("hdrcam live --backend vul") == Words{"vulkan", "vulkan:"});
 }
 
+TEST_CASE("no shell offers the word of an argument again once it is written") {
+  const auto offered = offered_by_bash({"hdrcam calibrate --camera x ''", "hdrcam calibrate delay ''",
+                                        "hdrcam calibrate delay -", "hdrcam completion bash ''"});
+  CHECK(offered.at("hdrcam calibrate --camera x ''") == Words{"delay"});
+  CHECK_FALSE(offered.contains("hdrcam calibrate delay ''"));
+  CHECK(offered.at("hdrcam calibrate delay -").contains("--camera"));
+  CHECK_FALSE(offered.contains("hdrcam completion bash ''"));
+  const std::string zsh = zsh_completion(product()), fish = fish_completion(product());
+  CHECK_THAT(zsh, Catch::Contains("'1:what:(delay)'") && Catch::Contains("'1:shell:(bash zsh fish)'"));
+  CHECK_THAT(zsh, Catch::Contains("'*:footage:_files'"));  // import takes several
+  CHECK_THAT(fish, Catch::Contains("and not __fish_seen_subcommand_from delay' -f -a 'delay'"));
+  CHECK_THAT(fish, Catch::Contains("and not __fish_seen_subcommand_from bash zsh fish' -f -a"));
+}
+
 TEST_CASE("fish offers verbs, flags, words and files, each where it fits") {
   if (test::shell("command -v fish").exit_code != 0) {
     NOT_TESTED("fish is not installed");
@@ -155,6 +169,9 @@ TEST_CASE("fish offers verbs, flags, words and files, each where it fits") {
       {"hdrcam replay -o w", "walk.mkv"},
       {"hdrcam simulate --format ", "bayer rgb"},
       {"hdrcam bench kernels --p", ""},
+      {"hdrcam calibrate ", "delay"},
+      {"hdrcam calibrate delay ", ""},
+      {"hdrcam completion bash ", ""},
       {"hdrcam list w", ""},
       {"hdrcam list --config w", "walk.mkv"}};
   {
