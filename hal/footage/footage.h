@@ -40,7 +40,7 @@ class FootageReader {
   // and the exposure with its source, Unknown where the file says none. Frames of a video that are not whole
   // are left out (losses). Errors: Corrupt for a damaged still; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
-  // When the frame of the last next() was taken, of stills that say it.
+  // When the frame of the last next() was taken, of stills that say it; not of a file that is timed.
   virtual std::optional<ExifTime> taken() const = 0;
   // Which factors of the exposure its file states, beside the time.
   virtual ExifFactors factors() const = 0;

@@ -42,7 +42,7 @@ class PictureFile {
   // The next whole frame; false at the end. Its timestamp is the time in the file; its exposure what the file
   // says. Errors: Corrupt for a damaged still, and where no frame is whole; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
-  // When the frame of the last next() was taken, of stills that say it.
+  // When the frame of the last next() was taken, of stills that say it; not of a file that is timed.
   virtual std::optional<ExifTime> taken() const { return std::nullopt; }
   // Which factors of the exposure its file states, beside the time.
   virtual ExifFactors factors() const { return {}; }

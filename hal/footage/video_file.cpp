@@ -398,7 +398,9 @@ ExifFactors VideoFile::factors() const {
   return stated ? factors_of(*stated) : ExifFactors{};
 }
 
+// A video's own times are finer, and tell what was lost.
 std::optional<ExifTime> VideoFile::taken() const {
+  if (facts_.timed) return std::nullopt;
   constexpr const char* kOffsetTimeOriginal = "0x9011";  // FFmpeg has no name for it
   return exif_time(exif_text(*frame_, "DateTimeOriginal"), exif_text(*frame_, "SubSecTimeOriginal"),
                    exif_text(*frame_, kOffsetTimeOriginal));

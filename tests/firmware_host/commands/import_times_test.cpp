@@ -51,7 +51,8 @@ FootagePlan plan_of_matroska(const std::string& name, const std::vector<double>&
   return std::move(plan).value();
 }
 
-// Frames of the scene as motion JPEG in Matroska, 40 ms each, whose pictures state their exposures in EXIF.
+// Frames of the scene as motion JPEG in Matroska, 40 ms each, whose pictures state their exposures in EXIF,
+// and times that are 70 ms apart.
 void write_motion_jpeg(const std::string& path, const std::vector<int>& frames) {
   AVFormatContext* muxer = nullptr;
   REQUIRE(avformat_alloc_output_context2(&muxer, nullptr, "matroska", path.c_str()) >= 0);
@@ -64,7 +65,8 @@ void write_motion_jpeg(const std::string& path, const std::vector<int>& frames) 
   const libav::Packet packet(av_packet_alloc());
   for (const int i : frames) {
     const double time_s = test::scene().exposures_s[static_cast<std::size_t>(i) % 3];
-    const test::Exif exif{static_cast<std::uint32_t>(std::lround(time_s * 1000)), 1000, 100, 80};
+    test::Exif exif{static_cast<std::uint32_t>(std::lround(time_s * 1000)), 1000, 100, 80};
+    exif.date_time = "2026:11:22 17:00:00", exif.sub_second = fmt::format("{:02}", 7 * i);
     test::write_jpeg(path + ".jpg", test::scene().frame(i).codes, exif);
     const std::string bytes = read_whole(posix_storage(), path + ".jpg").value();
     REQUIRE(av_new_packet(packet.get(), static_cast<int>(bytes.size())) >= 0);
@@ -244,6 +246,15 @@ TEST_CASE("of motion JPEG that states its exposures, what its times lack is told
   const auto replayed = sample::replay(posix_storage(), out);
   for (std::size_t i = 0; i < replayed.frames.size(); ++i)
     CHECK(((replayed.frames[i].facts.flags & kFrameAfterDrop) != 0) == (i == 4));
+}
+
+TEST_CASE("the times of a video count before those that EXIF states of its pictures") {
+  const std::string folder = sample::scratch_folder("import_motion_jpeg_times"), out = folder + "/out.mkv";
+  write_motion_jpeg(folder + "/x.mkv", filmed(0, 9, {}));
+  REQUIRE(import_verb(folder + "/x.mkv -o " + out).ok());
+  const std::vector<double> times = times_in(out);
+  REQUIRE(times.size() == 9);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(0.04 * static_cast<double>(i)).margin(1e-9));
 }
 
 TEST_CASE("a pause of years is a loss of very many frames") {
