@@ -38,7 +38,8 @@ class FootageReader {
   virtual bool turned() const = 0;
   // The next frame; false at the end. Its facts: the number within the footage, the time since its beginning,
   // and the exposure with its source, Unknown where the file says none. Frames of a video that are not whole
-  // are left out (losses). Errors: Corrupt for a damaged still; SizeChanged, Unsupported.
+  // are left out (losses). Errors: Corrupt for a damaged still; Truncated for a video that ends before its
+  // first frame does; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it; not of a file that is timed.
   virtual std::optional<ExifTime> taken() const = 0;
@@ -60,7 +61,7 @@ bool is_earlier_number(const std::string& file, const std::string& next);
 
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
 // it; 0: 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
-// also for pictures that no recording can hold; SizeChanged.
+// also for pictures that no recording can hold; Truncated; SizeChanged.
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz);
 

@@ -40,7 +40,8 @@ class PictureFile {
 
   virtual const PictureFileFacts& facts() const = 0;
   // The next whole frame; false at the end. Its timestamp is the time in the file; its exposure what the file
-  // says. Errors: Corrupt for a damaged still, and where no frame is whole; SizeChanged, Unsupported.
+  // says. Errors: Corrupt for a damaged still, and where no frame is whole; Truncated for a video that ends
+  // before its first one does; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it; not of a file that is timed.
   virtual std::optional<ExifTime> taken() const { return std::nullopt; }

@@ -216,6 +216,7 @@ Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std
   if (file->stream_.failure()) return *file->stream_.failure();
   if (code < 0) return file->refused(ErrorCode::NotRecording, why_unread(TRY(brand_of(storage, path))));
   file->demuxer_.reset(demuxer);
+  file->end_byte_ = avio_tell(demuxer->pb);
   TRY(file->open_decoder());
   return std::unique_ptr<PictureFile>(std::move(file));
 }
@@ -332,12 +333,14 @@ bool VideoFile::is_whole() {
 }
 
 // Whether the file ends inside a frame, of Y4M, which states no number of frames: what is behind the last
-// whole one is longer than the head of a frame.
+// whole one is longer than the head of a frame, or something is behind the head of a file without a whole
+// one.
 bool VideoFile::ends_inside_frame() {
   constexpr std::int64_t kLongestHead = 80;  // bytes, of FFmpeg's demuxer
-  if (std::string_view(demuxer_->iformat->name) != "yuv4mpegpipe" || packets_ == 0) return false;
+  if (std::string_view(demuxer_->iformat->name) != "yuv4mpegpipe") return false;
   const auto size = stream_.file().size();
-  return size && static_cast<std::int64_t>(size.value()) > end_byte_ + kLongestHead;
+  const std::int64_t end = end_byte_ + (packets_ > 0 ? kLongestHead : 0);
+  return size && static_cast<std::int64_t>(size.value()) > end;
 }
 
 // By the list of pictures that MP4 and MOV have, elsewhere by the stated end.
@@ -368,6 +371,8 @@ Result<void> VideoFile::begin_codes() {
 
 Result<bool> VideoFile::next(RawFrame& frame) {
   if (!TRY(decode())) {
+    if (!codes_.begun() && packets_ == 0 && losses_.missing > 0)
+      return refused(ErrorCode::Truncated, "ends before the end of its first frame; copy it again");
     if (!codes_.begun() && (still_ || losses_.damaged > 0))
       return refused(
           ErrorCode::Corrupt,

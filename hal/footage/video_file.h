@@ -61,7 +61,7 @@ class VideoFile : public PictureFile {
   bool awaits_key_frame_ = false, awaits_key_packet_ = false;  // what comes before it lacks what it refers to
   int packets_ = 0;                                            // of the track
   std::int64_t end_ = 0;                                       // of the latest of them, in ticks of the track
-  std::int64_t end_byte_ = 0;                                  // of the latest of them, in the file
+  std::int64_t end_byte_ = 0;  // of the latest of them in the file, or of the file's head
 
   PictureFileFacts facts_;
   DecodedCodes codes_;

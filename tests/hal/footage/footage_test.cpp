@@ -639,6 +639,25 @@ TEST_CASE("a Y4M that ends inside a frame was cut, and one that ends behind a fr
   CHECK(cut.losses[0].lost.missing == 1);
 }
 
+TEST_CASE("a Y4M that ends inside its first frame is called cut, and one without a frame holds no pictures") {
+  const std::string path = sample::scratch_folder("footage_cut_first_y4m") + "/x.y4m";
+  const std::string head = "YUV4MPEG2 W32 H32 F30:1 Ip A1:1 C444\n";
+  std::ofstream(path, std::ios::binary) << head << "FRAME\n" << std::string(3 * 32 * 32, '\x80');
+  for (const std::size_t behind_head : {std::size_t{1000}, std::size_t{6}, std::size_t{3}}) {
+    CAPTURE(behind_head);
+    std::filesystem::resize_file(path, head.size() + behind_head);
+    const Read cut = read({path});
+    REQUIRE(cut.error);
+    CHECK(cut.error->code == ErrorCode::Truncated);
+    CHECK_THAT(cut.error->message, Contains("x.y4m' ends before the end of its first frame"));
+  }
+  std::filesystem::resize_file(path, head.size());
+  const Read none = read({path});
+  REQUIRE(none.error);
+  CHECK(none.error->code == ErrorCode::NotRecording);
+  CHECK_THAT(none.error->message, Contains("holds no pictures"));
+}
+
 TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   const std::string path = sample::scratch_folder("footage_cut_mp4") + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(30)).ok());
