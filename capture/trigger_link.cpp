@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "hal/core/counted.h"
+
 namespace hdrcam {
 
 Result<void> TriggerLink::start(const ExposureSchedule& schedule) {
@@ -58,10 +60,12 @@ bool TriggerLink::held_up(std::uint64_t driven_before, Duration waited) const {
 Error TriggerLink::no_answer(const Error& failed_wait) const {
   if (trigger_ == nullptr || failed_wait.code != ErrorCode::Timeout) return failed_wait;
   if (const auto failure = trigger_->failure()) return *failure;
-  return {ErrorCode::Timeout,
-          fmt::format("{}, though {} pulses were driven on trigger line '{}'; check the wiring, and that the "
-                      "sensor is in its external trigger mode",
-                      failed_wait.message, trigger_->driven(), trigger_->line())};
+  return {
+      ErrorCode::Timeout,
+      fmt::format("{}, though {} {} driven on trigger line '{}'; check the wiring, and that the sensor is in "
+                  "its external trigger mode",
+                  failed_wait.message, counted(trigger_->driven(), "pulse"),
+                  trigger_->driven() == 1 ? "was" : "were", trigger_->line())};
 }
 
 }  // namespace hdrcam

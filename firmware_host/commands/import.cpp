@@ -18,6 +18,7 @@
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 #include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/image_sequence.h"
@@ -300,7 +301,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     return tell_losses(plan);
   }
   if (!plan.times.trouble.empty())
-    remark("note: the frames come at {:.4g} frames per second, because {}\n", plan.camera.framerate_hz,
+    remark("note: the frames come at {}, because {}\n", counted_per_second(plan.camera.framerate_hz, "frame"),
            plan.times.trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");

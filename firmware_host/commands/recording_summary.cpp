@@ -147,7 +147,7 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
   if (summary.damaged > 0) table.row("damaged", counted(summary.damaged, "frame"));
   table.row("poses", summary.with_pose == 0
                          ? "none"
-                         : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
+                         : fmt::format("{} of {}", summary.with_pose, counted(summary.frames, "frame")));
   table.row("size", fmt::format("{}, {}", describe_size(summary.bytes), name(summary.codec)));
   const std::string damage = summary.left_out.sentence();
   if (!damage.empty()) table.row("unreadable", damage);

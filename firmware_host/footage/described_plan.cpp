@@ -22,9 +22,9 @@ std::string in_stops(const Exposure& exposure, const std::vector<Exposure>& cycl
 
 std::string described_exposures(const FootagePlan& plan) {
   const CycleWalk& walk = plan.walk;
-  const std::string measured =
-      walk.slots.empty() ? ""
-                         : fmt::format(" ({} of {} steps measured)", walk.measured, plan.facts.size() - 1);
+  const std::string measured = walk.slots.empty() ? ""
+                                                  : fmt::format(" ({} of {} measured)", walk.measured,
+                                                                counted(plan.facts.size() - 1, "step"));
   const int slot = plan.facts.front().slot;
   const std::string phase =
       walk.ambiguous
@@ -77,12 +77,12 @@ std::string described(const FootagePlan& plan) {
   constexpr std::size_t kShown = 12;  // frames
   const CameraFacts& camera = plan.camera;
   std::string text =
-      fmt::format("{}: {}; {}x{}, {}, {:.4g} frames per second; recorded as {} of {} bits\n", camera.name,
-                  plan.about, camera.width, camera.height, counted(plan.facts.size(), "frame"),
-                  camera.framerate_hz, name(camera.layout), camera.bits);
+      fmt::format("{}: {}; {}x{}, {}, {}; recorded as {} of {} bits\n", camera.name, plan.about, camera.width,
+                  camera.height, counted(plan.facts.size(), "frame"),
+                  counted_per_second(camera.framerate_hz, "frame"), name(camera.layout), camera.bits);
   if (plan.times.origin == TimeOrigin::Exif) text += "times: as EXIF says, when each still was taken\n";
   if (!plan.times.trouble.empty())
-    text += fmt::format("times: at {:.4g} frames per second, because {}\n", camera.framerate_hz,
+    text += fmt::format("times: at {}, because {}\n", counted_per_second(camera.framerate_hz, "frame"),
                         plan.times.trouble);
   text += fmt::format("exposures: {}\n", described_exposures(plan));
   for (const FootageLosses& losses_of_file : plan.losses)

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/core/counted.h"
 #include "hal/core/median.h"
 #include "hal/core/sound_facts.h"
 
@@ -97,10 +98,11 @@ Result<void> check_one_rate(const FootageScan& seen) {
     if (!(usual_s > 0)) continue;
     if (!(first_s > 0)) first = file, first_s = usual_s;
     if (usual_s < kMost * first_s && first_s < kMost * usual_s) continue;
-    return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' has {:.4g} frames per second and '{}' {:.4g}, which do not make one clip; "
-                             "import them one by one",
-                             seen.paths[file], 1 / usual_s, seen.paths[first], 1 / first_s)};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' has {} and '{}' {:.4g}, which do not make one clip; import them one by one",
+                    seen.paths[file], counted_per_second(1 / usual_s, "frame"), seen.paths[first],
+                    1 / first_s)};
   }
   return {};
 }

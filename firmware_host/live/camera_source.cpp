@@ -23,8 +23,8 @@ std::vector<std::string> differences(const Settings::Camera& asked, const Camera
                                 has.name, has.width, has.height,
                                 sizes.empty() ? "" : "; its sizes in this format: " + sizes));
   if (asked.framerate_hz > 0 && std::abs(has.framerate_hz / asked.framerate_hz - 1) > kSameRate)
-    notes.push_back(fmt::format("'{}' gives {:.4g} frames per second, not {:g}", has.name, has.framerate_hz,
-                                asked.framerate_hz));
+    notes.push_back(fmt::format("'{}' gives {}, not {:g}", has.name,
+                                counted_per_second(has.framerate_hz, "frame"), asked.framerate_hz));
   return notes;
 }
 

@@ -9,6 +9,7 @@
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/settings/named_knobs.h"
 #include "firmware_host/sinks/sink_name.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {
@@ -72,9 +73,9 @@ Result<void> check_readout(const Settings::Fit& fit, const CameraFacts& camera) 
   const std::string longest = describe(rounded_down(interval));
   return Error{
       ErrorCode::Invalid,
-      fmt::format("--readout {} is longer than a frame, {} at {:.4g} frames per second, and rows are "
-                  "read out within one; give at most {}, or leave it out",
-                  fit.readout, longest, camera.framerate_hz, longest)};
+      fmt::format("--readout {} is longer than a frame, {} at {}, and rows are read out within one; give at "
+                  "most {}, or leave it out",
+                  fit.readout, longest, counted_per_second(camera.framerate_hz, "frame"), longest)};
 }
 
 FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {

@@ -17,6 +17,7 @@
 #include "firmware_host/sinks/svg_chart.h"
 #include "firmware_host/version.h"
 #include "firmware_host/whole_percent.h"
+#include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 
 namespace hdrcam {
@@ -191,8 +192,9 @@ std::string deadline_section(const RunRecord& record) {
   const char* const head = "<th class=\"n\">rung</th><th>gives up</th><th class=\"n\">frames</th>";
   return section("Deadline",
                  fmt::format("Quality given up to finish each frame within {:.1f} ms, each rung beyond those "
-                             "before it. {} frames were late, {} were not emitted.",
-                             record.deadline_ms, record.late, record.left_out),
+                             "before it. {} {} late, {} not emitted.",
+                             record.deadline_ms, counted(record.late, "frame"),
+                             record.late == 1 ? "was" : "were", record.left_out),
                  "<div class=\"two\">" + card(line_chart(chart)) + card(table(head, rows)) + "</div>\n");
 }
 
@@ -327,8 +329,9 @@ std::string report_html(const RunRecord& record, std::span<const std::byte> cont
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{0} - hdrcam</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<header><h1>{0}</h1>\n"
-      "<p>{2} x {3} pixels, {4} frames in, {5} HDR frames out</p></header>\n",
-      escaped(record.title), kReportStyle, record.width, record.height, record.captured, record.emitted);
+      "<p>{2} x {3} pixels, {4} in, {5} out</p></header>\n",
+      escaped(record.title), kReportStyle, record.width, record.height, counted(record.captured, "frame"),
+      counted(record.emitted, "HDR frame"));
   html += tiles(record);
   html += sheet_section(contact_sheet_png);
   html += scores_section(record);

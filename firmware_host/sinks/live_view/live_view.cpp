@@ -11,6 +11,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/live_page.h"
+#include "hal/core/counted.h"
 #include "hal/core/json_text.h"
 #include "hal/core/parse_number.h"
 
@@ -85,8 +86,8 @@ std::pair<const char*, std::string> sequence_header(const ShownFrame& frame) {
 
 Result<void> check_http_token(std::string_view token) {
   if (token.empty() || token.size() >= kFewestTokenCharacters) return {};
-  return Error{ErrorCode::Invalid, fmt::format("--http-token has {} characters; give {} or more, or none",
-                                               token.size(), kFewestTokenCharacters)};
+  return Error{ErrorCode::Invalid, fmt::format("--http-token has {}; give {} or more, or none",
+                                               counted(token.size(), "character"), kFewestTokenCharacters)};
 }
 
 Result<std::unique_ptr<LiveView>> LiveView::open(const std::string& address, const LiveViewOptions& options,

@@ -20,11 +20,12 @@ using test::write_bracket;
 namespace {
 
 // What `import --list` says of the footage in a folder.
-std::string listed(const std::string& folder, FootageOrder order = FootageOrder::Given) {
+std::string listed(const std::string& folder, FootageOrder order = FootageOrder::Given,
+                   double framerate_hz = 0) {
   const std::atomic<bool> stop = false;
   FootageRequest request;
   request.files = footage_in(folder).value();
-  request.order = order;
+  request.order = order, request.framerate_hz = framerate_hz;
   const auto plan = plan_footage(posix_storage(), request, stop);
   REQUIRE(plan.ok());
   return described(plan.value());
@@ -270,6 +271,11 @@ TEST_CASE("stills without any time come at the frame rate, and the list says so"
   CHECK_THAT(
       listed(folder),
       Contains("times: at 30 frames per second, because none of them states in EXIF when it was taken"));
+}
+
+TEST_CASE("a rate of one is told as one frame per second") {
+  CHECK_THAT(listed(write_bracket("import_one_a_second"), FootageOrder::Given, 1),
+             Contains("9 frames, 1 frame per second; "));
 }
 
 TEST_CASE("a frame rate that no recording can have is refused") {
