@@ -5,7 +5,7 @@
 #include "capture/to_exposed_frame.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
-#include "online/priors/motion/state_motion.h"
+#include "online/priors/motion/motion_estimator.h"
 #include "online/response/response_estimator.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/field_fit.h"

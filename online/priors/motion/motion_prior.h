@@ -55,8 +55,8 @@ class MotionPrior {
   virtual std::string fallback_reason() const { return {}; }
 };
 
-// Optical flow (DIS) between the frame and the re-exposed state: state_motion.h. gpu: where the flow runs,
-// null for the processor; it outlives the prior, as the pool does.
+// Optical flow (DIS) between the frame and the re-exposed state: motion_estimator.h. gpu: where the flow
+// runs, null for the processor; it outlives the prior, as the pool does.
 std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool, GpuDevice* gpu);
 
 }  // namespace hdrcam

@@ -1,4 +1,4 @@
-#include "online/priors/motion/state_motion.h"
+#include "online/priors/motion/motion_estimator.h"
 
 #include <algorithm>
 #include <utility>

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "capture/to_exposed_frame.h"
-#include "online/priors/motion/state_motion.h"
+#include "online/priors/motion/motion_estimator.h"
 #include "online/state/state_filter.h"
 #include "tests/support/moving_scene.h"
 
