@@ -18,9 +18,9 @@
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/pending_frames.h"
+#include "online/recent_values.h"
 #include "online/second_layer.h"
 #include "online/sensor_model.h"
-#include "online/state/recent_values.h"
 #include "online/state/state_layer.h"
 
 namespace hdrcam {

@@ -1,4 +1,4 @@
-#include "online/state/recent_values.h"
+#include "online/recent_values.h"
 
 #include <catch2/catch.hpp>
 
