@@ -121,9 +121,10 @@ std::string accepted(const SettingField& field) {
   if (field.type == SettingType::Delay) return "a time such as 250us, -2ms or 0";
   if (is_switch(field)) return "true or false";
   if (!is_number(field)) return field.list ? "a text or a list" : "a text";
+  const std::string_view unit = field.range.unit;
   const std::string range =
-      fmt::format("{}, {}..{}", field.type == SettingType::Whole ? "a whole number" : "a number",
-                  field.range.least, field.range.most);
+      fmt::format("{}, {}..{}{}{}", field.type == SettingType::Whole ? "a whole number" : "a number",
+                  field.range.least, field.range.most, unit.empty() ? "" : " ", unit);
   return field.range.besides ? fmt::format("{} or {}", range, *field.range.besides) : range;
 }
 

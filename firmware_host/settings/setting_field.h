@@ -44,6 +44,7 @@ inline constexpr int kUnlimited = std::numeric_limits<int>::max();
 struct SettingRange {
   double least = 0, most = 0;
   std::optional<double> besides;
+  const char* unit = "";  // where people tend to write another: "MiB"
 };
 
 struct SettingField {

@@ -323,7 +323,7 @@ std::vector<SettingField> record_fields() {
           "lossless codec of the recording: huffyuv takes a fifth of the time, ffv1 a fifth less space",
           {{"huffyuv", RecordingCodec::Huffyuv}, {"ffv1", RecordingCodec::Ffv1}}),
       number<kGroup, &R::memory_mib>("record.memory_mib", "--record-memory",
-                                     "memory for frames that wait for the disk, MiB", {1, 65536, {}}),
+                                     "memory for frames that wait for the disk, MiB", {1, 65536, {}, "MiB"}),
   };
 }
 
@@ -333,7 +333,7 @@ std::vector<SettingField> machine_fields() {
   return {
       number<kGroup, &M::memory_mib>("machine.memory_mib", "--memory",
                                      "most memory that the run may need, MiB, estimated before it starts",
-                                     {64, 1 << 24, 0}, "half of the machine's"),
+                                     {64, 1 << 24, 0, "MiB"}, "half of the machine's"),
       choice<kGroup, &M::log_format>(
           "machine.log_format", "--log-format",
           "format of progress, remarks and errors: text, or one JSON object a line",

@@ -30,9 +30,9 @@ namespace {
 
 // Other names of what we know, which are no typing errors of it.
 std::optional<std::string> other_name_of(std::string_view typed, std::span<const std::string> known) {
-  constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"h265", "hevc"}, {"x265", "hevc"},
-                                                                      {"avc", "h264"},  {"x264", "h264"},
-                                                                      {"hdr10", "pq"},  {"st2084", "pq"}};
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"h265", "hevc"}, {"x265", "hevc"}, {"avc", "h264"}, {"x264", "h264"},
+      {"hdr10", "pq"},  {"st2084", "pq"}, {"hdr", "pq"},   {"gpu", "vulkan"}};
   for (const auto& [other, ours] : kNames)
     if (typed == other && std::ranges::find(known, ours) != known.end()) return std::string(ours);
   return std::nullopt;

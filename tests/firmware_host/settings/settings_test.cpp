@@ -297,6 +297,7 @@ TEST_CASE("what a flag does not take is refused in the same words") {
   CHECK_THAT(sentence(from_flags({"--deadline", "33mm"})), Contains("or off, not '33mm'"));
   CHECK(sentence(from_flags({"--width", "3"})) == "--width takes a whole number, 16..65535 or 0, not 3");
   CHECK_THAT(sentence(from_flags({"--width", "12px"})), Contains("not '12px'"));
+  CHECK_THAT(sentence(from_flags({"--memory", "10GB"})), Contains("64..16777216 MiB or 0, not '10GB'"));
   CHECK_THAT(sentence(from_flags({"--framerate", ""})), Contains("0.1..1000 or 0, not ''"));
   CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not 'inf'"));
   CHECK_THAT(sentence(from_flags({"--black-level", "255"})), Contains("0..254 or -1, not 255"));

@@ -25,3 +25,9 @@ TEST_CASE("the nearest word is suggested, and none where nothing is near") {
   CHECK(did_you_mean("exprot", verbs) == " (did you mean 'export'?)");
   CHECK(did_you_mean("x", verbs).empty());
 }
+
+TEST_CASE("another name of a word suggests it, and no word of another meaning that is spelled alike") {
+  CHECK(nearest_word("h265", std::vector<std::string>{"auto", "hevc", "av1", "h264"}) == "hevc");
+  CHECK(nearest_word("gpu", std::vector<std::string>{"cpu", "vulkan", "vulkan:NAME"}) == "vulkan");
+  CHECK(nearest_word("hdr", std::vector<std::string>{"pq", "hlg", "sdr"}) == "pq");
+}
