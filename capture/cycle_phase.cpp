@@ -226,9 +226,7 @@ CycleStep rough_step(const PhotometricSignature& earlier, const PhotometricSigna
 }
 
 Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Exposure> cycle) {
-  if (cycle.empty() || cycle.size() > ExposureSchedule::kMaxSlots)
-    return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}",
-                                                 ExposureSchedule::kMaxSlots, cycle.size())};
+  TRY(check_slots(cycle));
   std::vector<double> log_exposures;
   for (const Exposure& exposure : cycle) log_exposures.push_back(log_product(exposure));
   Path best = best_path(steps, log_exposures);

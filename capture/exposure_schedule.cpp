@@ -10,12 +10,6 @@
 namespace hdrcam {
 namespace {
 
-Result<void> check_slots(std::span<const Exposure> cycle) {
-  if (!cycle.empty() && cycle.size() <= ExposureSchedule::kMaxSlots) return {};
-  return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
-                                               int{ExposureSchedule::kMaxSlots}, cycle.size())};
-}
-
 // An exposure too long for its frame, and what would do: only times and rates that are accepted.
 Error does_not_fit(const Exposure& asked, const CameraCapabilities& camera, Duration frame_duration,
                    Duration margin) {
@@ -39,6 +33,12 @@ Duration rounded_down(Duration longest) {
   Duration::rep unit = 1;
   while (longest.count() / unit >= 10'000) unit *= 10;  // describe() prints four digits
   return Duration(longest.count() / unit * unit);
+}
+
+Result<void> check_slots(std::span<const Exposure> cycle) {
+  if (!cycle.empty() && cycle.size() <= ExposureSchedule::kMaxSlots) return {};
+  return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
+                                               int{ExposureSchedule::kMaxSlots}, cycle.size())};
 }
 
 Result<void> check_distinct(std::span<const Exposure> cycle) {

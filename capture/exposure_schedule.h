@@ -21,6 +21,8 @@ bool lasts(Duration exposure, Duration half_period);
 // The nearest time of whole half periods, as many as `longest` holds, at least one.
 Duration whole_half_periods(Duration time, Duration half_period, Duration longest);
 
+// Invalid for no slot or more than four.
+Result<void> check_slots(std::span<const Exposure> cycle);
 // Invalid for a cycle of several exposures that are all the same: the proof cannot tell them apart, and they
 // give no HDR.
 Result<void> check_distinct(std::span<const Exposure> cycle);

@@ -156,6 +156,7 @@ Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surr
   const Simulation simulation = TRY(simulation_of(flags.scene));
   const Format format = TRY(format_of(flags));
   const std::vector<Exposure> cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
+  TRY(check_slots(cycle));
   TRY(check_distinct(cycle));
   const ClipTimeline timeline = TRY(ClipTimeline::create(simulation, cycle));
   TRY(admit_parts(settings, fmt::format("a scene of {}x{}", simulation.width, simulation.height),

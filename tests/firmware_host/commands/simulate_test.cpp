@@ -202,6 +202,9 @@ TEST_CASE("simulate refuses in a sentence what it cannot do") {
   const Ran equal = run_simulate("walk -o " + walk + " --shutter 4ms,4ms,4ms");
   CHECK(equal.exit_code == kExitUsage);
   CHECK(equal.output.find("all 3 exposures of the cycle are the same, 4 ms") != std::string::npos);
+  const Ran too_many = run_simulate("walk -o " + walk + " --shutter 1ms,2ms,4ms,8ms,16ms");
+  CHECK(too_many.exit_code == kExitUsage);
+  CHECK(too_many.output.find("a cycle has 1 to 4 exposures, not 5") != std::string::npos);
   CHECK(run_simulate("--list -o " + walk).exit_code == kExitUsage);
   CHECK(run_simulate("nowhere --explain").exit_code == exit_code_of(ErrorCode::NotFound));
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
