@@ -17,6 +17,7 @@
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
+#include "hal/footage/footage.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -133,9 +134,10 @@ void tell_of_clip(const RecordingReader& reader, int frames, const EarlierFrames
   if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
 }
 
-// A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
-Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
-  if (TRY(around.storage.look_at(options.folder)).kind == FileKind::Regular)
+// Not of a file, nor of pictures, which export names itself.
+Result<void> check_folder_name(Storage& storage, const ExportOptions& options) {
+  const FileKind there = TRY(storage.look_at(options.folder)).kind;
+  if (there == FileKind::Regular)
     return Error{
         ErrorCode::Invalid,
         fmt::format("'{}' is a file; --output names the folder to write, such as frames", options.folder)};
@@ -144,6 +146,17 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
                  fmt::format("'{}' numbers pictures, which export does itself; --output names their folder, "
                              "such as frames",
                              options.folder)};
+  if (there == FileKind::Missing && is_footage(options.folder))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is the name of a picture or a video; --output names the folder to write, "
+                             "such as frames",
+                             options.folder)};
+  return {};
+}
+
+// A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
+Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
+  TRY(check_folder_name(around.storage, options));
   TRY(check_no_snapshot(around.storage, options.recording));
   if (options.with_poses()) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));

@@ -385,4 +385,12 @@ TEST_CASE("export names pictures itself, and asks for their folder where it gets
   CHECK(refused.message.find("/y/%06d.png' numbers pictures") != std::string::npos);
   CHECK(refused.message.find("--output names their folder") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(folder + "/y"));
+  for (const char* file : {"/y.mkv", "/y/%d.png"}) {
+    const Error of_a_file = sample::error_of(hdrcam_verb("export " + folder + "/x.mkv -o " + folder + file));
+    CHECK(of_a_file.code == ErrorCode::Invalid);
+    CHECK(of_a_file.message.find("is the name of a picture or a video; --output names the folder") !=
+          std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder + file));
+  }
+  CHECK(hdrcam_verb("export " + folder + "/x.mkv -o " + folder + "/y.mkv/").ok());  // surely a folder
 }
