@@ -1,5 +1,7 @@
 #include "firmware_host/sinks/sink_table.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <iterator>
 
@@ -24,7 +26,17 @@ Opened open_video(const SinkRequest& request) {
   return create_hdr_video(request.storage, request.path, request.camera.framerate_hz, request.video);
 }
 
+// A terminal would show their bytes, some of which are commands to it.
+Result<void> check_takes_frames(int standard_output) {
+  if (isatty(standard_output) == 0) return {};
+  return Error{
+      ErrorCode::Invalid,
+      "--output - would write the bytes of frames to this terminal; lead them into a program, such as "
+      "'hdrcam .. -o - | ffplay -', or name a video"};
+}
+
 Opened open_pipe(const SinkRequest& request) {
+  TRY(check_takes_frames(STDOUT_FILENO));
   if (request.video.pipe == PipeFormat::Half) return create_half_pipe(standard_output());
   return create_video_pipe(standard_output(), request.camera.framerate_hz, request.video);
 }

@@ -1,6 +1,8 @@
 #include "firmware_host/terminal.h"
 
+#include <pty.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <string>
@@ -55,6 +57,21 @@ TEST_CASE("results that the standard output does not take are an error in a sent
   }
   CHECK(ended("export " + demo + "-o '" + words + ".frames'", ">/dev/full") == 11);
   CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("; the files are complete"));
+}
+
+TEST_CASE("frames are not written to a terminal, which would show their bytes") {
+  const std::string words = sample::scratch_folder("terminal_frames") + "/words";
+  int master = -1, slave = -1;
+  REQUIRE(openpty(&master, &slave, nullptr, nullptr, nullptr) == 0);
+  REQUIRE(ttyname(slave) != nullptr);
+  const std::string line = "timeout 60 '" HDRCAM_BINARY "' replay '" HDRCAM_SOURCE_DIR
+                           "/tests/data/demo.mkv' --preset fast --emit state --frames 6 -o - 2>'" +
+                           words + "' >'" + ttyname(slave) + "'";
+  const int status = std::system(line.c_str());
+  close(slave), close(master);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 2);
+  CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("to this terminal"));
 }
 
 TEST_CASE("a name that would move the cursor or turn the direction of text is shown with numbers") {
