@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "firmware_host/settings/suggestion.h"
@@ -94,9 +96,12 @@ void add_verbs_with(const std::string& flag, const CLI::App& app, const std::str
   }
 }
 
-// Of an unknown flag: the verbs that have it, or else one of this verb that is almost the same.
-std::string meant_by_flag(const CLI::App& app, const std::string& flag,
+// Of an unknown flag, which begins the word: a file whose name begins with '-', the verbs that have the flag,
+// or else one of this verb that is almost the same.
+std::string meant_by_flag(const CLI::App& app, const std::string& word, const std::string& flag,
                           const std::vector<std::string>& known) {
+  std::error_code none;
+  if (std::filesystem::exists(word, none)) return fmt::format(" (the file is named as './{}')", word);
   std::vector<std::string> verbs;
   add_verbs_with(flag, app, "", verbs);
   return verbs.empty() ? did_you_mean(flag, known) : fmt::format(" (a flag of {})", fmt::join(verbs, ", "));
@@ -121,8 +126,8 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
     if (place.get_option_no_throw(flag) != nullptr)  // behind its verb it would have been understood
       return {ErrorCode::Invalid,
               fmt::format("flag '{}' belongs behind '{}'; see '{}'", flag, verb.words, help)};
-    return {ErrorCode::Invalid,
-            fmt::format("unknown flag '{}'{}; see '{}'", flag, meant_by_flag(app, flag, flags), help)};
+    return {ErrorCode::Invalid, fmt::format("unknown flag '{}'{}; see '{}'", flag,
+                                            meant_by_flag(app, *extra_flag, flag, flags), help)};
   }
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'{}; see '{}'", extras.front(),

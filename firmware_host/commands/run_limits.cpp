@@ -25,7 +25,7 @@ void RunLimits::add_to(CommandLine verb) {
   verb.add_option("--frames", frames, "frames to capture [until ^C]").check(counts_frames());
   const auto in_seconds = [](const std::string& text) {
     const auto seconds = seconds_of(text);
-    return seconds ? fmt::format("{}", *seconds) : text;
+    return seconds && *seconds > 0 ? fmt::format("{}", *seconds) : text;  // else to be refused as it is
   };
   verb.add_option("--timeout", timeout_s, "length of the run, such as 90s, or a number of seconds [until ^C]")
       .type_name("TEXT")

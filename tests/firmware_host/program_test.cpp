@@ -6,6 +6,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <sstream>
@@ -173,6 +175,15 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"bench", "kernels", "--point", "fast"}), Contains("(a flag of bench pareto)"));
 }
 
+TEST_CASE("a file whose name begins as a flag does is told apart, and how it is named") {
+  const std::string file = "-refused_words_test.mkv";  // of this folder: a path with folders is no flag
+  std::ofstream(file) << "";
+  const std::string told = ran_here({"info", file}).err;
+  std::filesystem::remove(file);
+  CHECK_THAT(told, Contains("unknown flag '" + file + "' (the file is named as './" + file + "')"));
+  CHECK_THAT(ran_here({"info", file}).err, Contains("unknown flag") && !Contains("the file is"));
+}
+
 TEST_CASE("a flag whose value is empty behind its equals sign takes no other word for it") {
   const auto told = [](const std::vector<std::string>& words) { return ran_here(words).err; };
   CHECK_THAT(told({"render", "no.mkv", "--view=", "-o", "o/%06d.exr"}), Contains("'no.mkv' does not exist"));
@@ -299,6 +310,7 @@ TEST_CASE("a number that cannot be is refused with the range that a person needs
              Contains("--frames") && Contains("1 to 1000000000") && Contains("'0'"));
   CHECK_THAT(refused({"record", "--frames", "-3"}), Contains("1 to 1000000000"));
   CHECK_THAT(refused({"record", "--timeout", "0"}), Contains("more than 0") && !Contains("e+308"));
+  CHECK_THAT(refused({"record", "--timeout", "-1s"}), Contains("not '-1s'"));      // as it was written
   CHECK_THAT(refused({"record", "--timeout", "1e-10"}), Contains("more than 0"));  // it would be no limit
   for (const char* none : {"nan", "-nan", "inf"}) {
     CHECK_THAT(refused({"record", "--timeout", none}), Contains("seconds"));
