@@ -24,6 +24,18 @@ Error refused(std::string_view flag, std::string_view text, std::string_view why
                                           flag == kNumbersRecordings ? "takes/%03d" : "out/%06d", extension)};
 }
 
+// Of a name without a number. One without an extension is a folder's.
+Error not_numbered(std::string_view flag, std::string_view text, std::string_view extension) {
+  Error refusal =
+      refused(flag, text, fmt::format("would put every {} into one file", content_of(flag)), extension);
+  if (!text.empty() && std::filesystem::path(text).extension().empty())
+    refusal.message = fmt::format("{} '{}' names no files; write it as '{}/%0{}d{}'", flag, text,
+                                  text.substr(0, text.find_last_not_of('/') + 1),
+                                  flag == kNumbersRecordings ? 3 : 6, extension);
+  if (flag == kTakesVideos) refusal.message += ", or name a video: out.mp4, out.mov or out.mkv";
+  return refusal;
+}
+
 // Any other '%' of a folder's name is a character like others.
 bool holds_number(std::string_view folder) {
   for (std::size_t at = folder.find('%'); at != std::string_view::npos; at = folder.find('%', at + 1)) {
@@ -51,12 +63,7 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
     return refused(flag, text, fmt::format("has the {} number in a folder's name", content_of(flag)),
                    extension);
   const auto percents = std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), '%');
-  if (percents == 0) {
-    Error one_file =
-        refused(flag, text, fmt::format("would put every {} into one file", content_of(flag)), extension);
-    if (flag == kTakesVideos) one_file.message += ", or name a video: out.mp4, out.mov or out.mkv";
-    return one_file;
-  }
+  if (percents == 0) return not_numbered(flag, text, extension);
   if (percents > 1) return refused(flag, text, "has more than one '%'", extension);
   if (!text.ends_with(extension)) {
     Error other_kind = refused(flag, text, fmt::format("does not end in '{}'", extension), extension);

@@ -74,6 +74,18 @@ TEST_CASE(
              Contains("has the frame number in a folder's name"));
 }
 
+TEST_CASE("a folder in place of a pattern is told with its own name how to be numbered") {
+  const auto message = [](const char* flag, const char* text, const char* extension) {
+    return FramePattern::parse(flag, text, extension).error().message;
+  };
+  CHECK_THAT(message("--output", "frames", ".exr"),
+             Contains("'frames' names no files; write it as 'frames/%06d.exr', or name a video"));
+  CHECK_THAT(message("--preview", "a/b//", ".png"), Contains("write it as 'a/b/%06d.png'"));
+  CHECK_THAT(message("--http-record", "takes", ".mkv"), Contains("write it as 'takes/%03d.mkv'"));
+  CHECK_THAT(message("--output", "/", ".exr"), Contains("write it as '/%06d.exr'"));
+  CHECK_THAT(message("--output", "frame.exr", ".exr"), Contains("would put every frame into one file"));
+}
+
 TEST_CASE("a single file for all frames leads to the videos, where the output may be one") {
   const auto message = [](const char* flag, const char* text, const char* extension) {
     return FramePattern::parse(flag, text, extension).error().message;
