@@ -220,6 +220,8 @@ class PosixStorage : public Storage {
     std::error_code code;
     // absolute first: a missing file in the current folder would keep the relative name it was given
     const std::filesystem::path absolute = std::filesystem::absolute(end_of_links(path), code);
+    if (code.value() == ENOENT)  // no path from here leads anywhere
+      return Error{ErrorCode::Io, "the current folder was removed; change to one that is there", ENOENT};
     if (!code) facts.real_path = std::filesystem::weakly_canonical(absolute, code).string();
     if (code) return error_of(code.value(), "look at", path);
     struct stat status {};

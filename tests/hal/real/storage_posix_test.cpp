@@ -126,6 +126,20 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
   CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
 }
 
+TEST_CASE("where the current folder was removed it is that which is told, not that the output is missing") {
+  const std::string folder = test::scratch_folder("storage_removed");
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::current_path(folder);
+  std::filesystem::remove(folder);
+  const auto seen = posix_storage().look_at("x.mp4");
+  const auto elsewhere = posix_storage().look_at("/x.mp4");
+  std::filesystem::current_path(here);
+  REQUIRE_FALSE(seen.ok());
+  CHECK(seen.error().code == ErrorCode::Io);
+  CHECK(seen.error().message == "the current folder was removed; change to one that is there");
+  CHECK(elsewhere.ok());
+}
+
 TEST_CASE("a name may be as long as the file system takes") {
   const ScratchFolder folder;
   const std::string longest(255, 'n');
