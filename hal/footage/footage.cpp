@@ -70,6 +70,11 @@ bool is_regular_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 bool is_broken_link(const fs::path& path) {
   std::error_code ignored;
   return fs::is_symlink(path, ignored) && !fs::exists(path, ignored);
@@ -84,6 +89,14 @@ std::vector<std::string> files_of(const FolderListing& listing, const IsKind& is
     if (is_named(path.string()) && !is_hidden(path) && is_kind(path)) files.push_back(path.string());
   std::ranges::sort(files, before);
   return files;
+}
+
+// The first folder in it that holds footage, as those of a camera's card do; "": none does.
+std::string folder_of_footage(const FolderListing& listing) {
+  const auto has_any_name = [](const std::string&) { return true; };
+  for (const std::string& folder : files_of(listing, is_folder, has_any_name))
+    if (!files_of(FolderListing(folder), is_regular_file, is_footage).empty()) return folder;
+  return "";
 }
 
 struct NumberedName {
@@ -285,13 +298,13 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
   const FolderListing listing(folder);
   std::vector<std::string> files = files_of(listing, is_regular_file, is_footage);
   if (listing.failure()) return listing.cannot_read();
-  if (files.empty())
-    return Error{
-        ErrorCode::NotFound,
-        fmt::format("there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; name "
-                    "files of other kinds one by one",
-                    folder)};
-  return files;
+  if (!files.empty()) return files;
+  const std::string below = folder_of_footage(listing);
+  return Error{
+      ErrorCode::NotFound,
+      fmt::format(
+          "there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; {}", folder,
+          below.empty() ? "name files of other kinds one by one" : fmt::format("such are in '{}'", below))};
 }
 
 std::vector<std::string> other_pictures_in(const std::string& folder) {

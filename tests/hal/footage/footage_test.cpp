@@ -437,6 +437,17 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   CHECK_THAT(sample::error_of(footage_in(empty)).message, Contains(empty) && Contains("name files of other"));
 }
 
+TEST_CASE("a folder whose folders hold the footage, as that of a card, leads to the first of these") {
+  const std::string card = sample::scratch_folder("footage_card");
+  for (const char* folder : {"/.thumbs", "/99MISC", "/100MEDIA", "/101MEDIA"})
+    std::filesystem::create_directory(card + folder);
+  for (const char* file : {"/.thumbs/1.jpg", "/99MISC/notes.txt", "/100MEDIA/1.jpg", "/101MEDIA/2.jpg"})
+    std::ofstream(card + file) << "x";
+  const Error refused = sample::error_of(footage_in(card));
+  CHECK(refused.code == ErrorCode::NotFound);
+  CHECK_THAT(refused.message, Contains("; such are in '" + card + "/100MEDIA'"));
+}
+
 TEST_CASE("neighbouring numbers are those of files whose names are alike else") {
   CHECK(is_next_number("card/IMG_0009.JPG", "card/IMG_0010.JPG"));
   CHECK(is_next_number("IMG_9.CR2", "IMG_10.CR2"));
