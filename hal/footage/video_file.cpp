@@ -332,12 +332,14 @@ bool VideoFile::is_whole() {
   return !awaits_key_frame_;
 }
 
-// Whether the file ends inside a frame, of Y4M, which states no number of frames: what is behind the last
-// whole one is longer than the head of a frame, or something is behind the head of a file without a whole
-// one.
+// Whether the file ends inside a frame: of Y4M, which states no number of frames, where what is behind the
+// last whole one is longer than the head of a frame; of a file without a whole one, where something is behind
+// its head.
 bool VideoFile::ends_inside_frame() {
   constexpr std::int64_t kLongestHead = 80;  // bytes, of FFmpeg's demuxer
-  if (std::string_view(demuxer_->iformat->name) != "yuv4mpegpipe") return false;
+  const std::string_view container = demuxer_->iformat->name;
+  const bool is_known = container == "yuv4mpegpipe" || (packets_ == 0 && container.starts_with("matroska"));
+  if (!is_known) return false;
   const auto size = stream_.file().size();
   const std::int64_t end = end_byte_ + (packets_ > 0 ? kLongestHead : 0);
   return size && static_cast<std::int64_t>(size.value()) > end;

@@ -669,6 +669,18 @@ TEST_CASE("a Y4M that ends inside its first frame is called cut, and one without
   CHECK_THAT(none.error->message, Contains("holds no pictures"));
 }
 
+TEST_CASE("a Matroska video that ends inside its first frame is called cut") {
+  const std::string path = sample::scratch_folder("footage_cut_first_mkv") + "/x.mkv";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(3)).ok());
+  const std::size_t cluster = test::text_of(path).find("\x1f\x43\xb6\x75");
+  REQUIRE(cluster != std::string::npos);
+  std::filesystem::resize_file(path, cluster + 40);
+  const Read cut = read({path});
+  REQUIRE(cut.error);
+  CHECK(cut.error->code == ErrorCode::Truncated);
+  CHECK_THAT(cut.error->message, Contains("x.mkv' ends before the end of its first frame"));
+}
+
 TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   const std::string path = sample::scratch_folder("footage_cut_mp4") + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(30)).ok());
