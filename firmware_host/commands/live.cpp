@@ -38,8 +38,10 @@ Result<void> check_strict(const LiveFlags& flags, const Settings::Camera& camera
                            is_replayed(camera.id) ? ", not with --pace realtime" : "")};
 }
 
-bool keeps_nothing(const Settings& settings) {
-  return !writes_outputs(settings.output) && settings.record.file.empty();
+// Once the camera is open: of a run that is refused only the reason counts.
+void tell_if_nothing_is_kept(const Settings& settings) {
+  if (!writes_outputs(settings.output) && settings.record.file.empty())
+    remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
 }
 
 std::string recorded_line(const Settings& settings, std::uint64_t recorded, std::uint64_t captured) {
@@ -59,6 +61,7 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
   const auto source = TRY(open_replayed(settings, flags.limits, contradiction, around));
   TRY(admit_fit(settings, source->camera()));
+  tell_if_nothing_is_kept(settings);
   Result<void> ended = run_on(
       *source,
       {.settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)},
@@ -105,11 +108,10 @@ bool is_stopped_at_once(CameraSource& camera, const Result<void>& ended) {
 Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& around) {
   const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_live(flags, settings, around.storage));
-  if (keeps_nothing(settings))
-    remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
   const auto camera = TRY(open_camera_source(settings, flags.limits.options(LiveWork::Fit), trace, around));
+  tell_if_nothing_is_kept(settings);
   RunRecord record;
   RunPlan plan{.settings = settings,
                .title = camera->camera().name,

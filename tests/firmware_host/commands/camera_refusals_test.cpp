@@ -7,6 +7,7 @@
 #include "tests/places.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
+#include "tests/support/ran.h"
 
 using namespace hdrcam;
 using test::check_refused;
@@ -159,6 +160,20 @@ TEST_CASE("recordings that the live page starts are refused as a flag of a repla
     words.insert(words.end(), {"--config", file});
     require_success(words);
     CHECK(json_in(stats)["command"].get<std::string>().find("--http-record") == std::string::npos);
+  }
+}
+
+TEST_CASE(
+    "a run that writes no files says so once its camera is there, and a refused one gives the reason alone") {
+  const test::Ran refused = test::ran({"live", "--camera", "sim:nowhere"});
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::NotFound));
+  CHECK_THAT(refused.output, Catch::StartsWith("hdrcam: there is no scene 'nowhere'"));
+  for (const std::string& camera : {std::string("sim:still?size=64x48"),
+                                    std::string("replay:" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv")}) {
+    const test::Ran run = test::ran({"live", "--camera", camera, "--frames", "6", "--preset", "realtime"});
+    INFO(run.output);
+    CHECK(run.exit_code == kExitOk);
+    CHECK_THAT(run.output, Catch::Contains("note: this run writes no files"));
   }
 }
 
