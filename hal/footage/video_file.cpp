@@ -22,6 +22,7 @@ extern "C" {
 #include "hal/footage/exif_segments.h"
 #include "hal/footage/footage.h"
 #include "hal/footage/icc_primaries.h"
+#include "hal/footage/mp4_index.h"
 #include "hal/footage/tiff_objection.h"
 
 namespace hdrcam {
@@ -226,6 +227,7 @@ Result<void> VideoFile::open_decoder() {
     return refused(ErrorCode::NotRecording, "holds nothing that FFmpeg can read");
   const AVCodec* codec = nullptr;
   track_ = av_find_best_stream(demuxer_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+  if (track_ < 0) TRY(check_index());
   if (track_ == AVERROR_DECODER_NOT_FOUND)
     return refused(ErrorCode::Unsupported, "is of a codec that the FFmpeg libraries of this machine lack");
   if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
@@ -253,6 +255,15 @@ Result<void> VideoFile::open_decoder() {
   facts_.timed = !still_ && !untimed;
   facts_.format = avcodec_get_name(stream.codecpar->codec_id);
   return {};
+}
+
+// Of an MP4 or MOV in which no pictures were found.
+Result<void> VideoFile::check_index() {
+  if (!std::string_view(demuxer_->iformat->name).starts_with("mov")) return {};
+  if (!TRY(is_index_cut(stream_.file()))) return {};
+  return refused(
+      ErrorCode::Truncated,
+      "is an MP4 or MOV that ends within its index, without which no picture is read; copy it again");
 }
 
 // What is damaged on the way is left out and counted; the next whole picture comes.
@@ -373,6 +384,7 @@ Result<void> VideoFile::begin_codes() {
 
 Result<bool> VideoFile::next(RawFrame& frame) {
   if (!TRY(decode())) {
+    if (packets_ == 0) TRY(check_index());
     if (!codes_.begun() && packets_ == 0 && losses_.missing > 0)
       return refused(ErrorCode::Truncated, "ends before the end of its first frame; copy it again");
     if (!codes_.begun() && (still_ || losses_.damaged > 0))

@@ -16,8 +16,8 @@ namespace hdrcam {
 
 class VideoFile : public PictureFile {
  public:
-  // Errors: NotFound, Permission; NotRecording where FFmpeg finds no picture in it; Unsupported for a codec
-  // that this machine's libraries lack.
+  // Errors: NotFound, Permission; NotRecording where FFmpeg finds no picture in it; Truncated for an MP4 that
+  // ends within its index; Unsupported for a codec that this machine's libraries lack.
   static Result<std::unique_ptr<PictureFile>> open(Storage& storage, const std::string& path);
 
   const PictureFileFacts& facts() const override { return facts_; }
@@ -37,6 +37,7 @@ class VideoFile : public PictureFile {
   };
 
   Result<void> open_decoder();
+  Result<void> check_index();
   Result<bool> decode();
   Result<void> feed();
   Result<void> check_codes(const AVPacket& packet) const;

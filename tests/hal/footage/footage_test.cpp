@@ -571,6 +571,22 @@ TEST_CASE("an MP4 that was cut before its index is called one, and not a file th
   CHECK_THAT(cut.error->message, Contains(path) && Contains("one that was cut has lost its index"));
 }
 
+TEST_CASE("an MP4 that was cut within its index, which stands first, is called cut") {
+  const std::string path = sample::scratch_folder("footage_cut_in_index") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(3)).ok());
+  const std::string whole = test::text_of(path);
+  const std::size_t index = whole.find("moov");
+  REQUIRE(index < 64);
+  for (std::size_t behind = 8; index + behind < whole.find("moof") - 8; behind += 40) {
+    CAPTURE(behind);
+    std::ofstream(path, std::ios::binary) << whole.substr(0, index + behind);
+    const Read cut = read({path});
+    REQUIRE(cut.error);
+    CHECK((cut.error->code == ErrorCode::Truncated || cut.error->code == ErrorCode::NotRecording));
+    CHECK_THAT(cut.error->message, Contains("is an MP4 or MOV that") && Contains("index"));
+  }
+}
+
 TEST_CASE("a HEIC picture that FFmpeg cannot read is called one, and not a video that was cut") {
   const std::string path = sample::scratch_folder("footage_heic") + "/IMG_1.HEIC";
   const std::string type("\0\0\0\30ftypheic\0\0\0\0mif1heic", 24), samples("\0\1\0\0mdat", 8);
