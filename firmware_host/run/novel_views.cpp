@@ -11,9 +11,16 @@
 namespace hdrcam {
 
 Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
-                                    const std::string& folder, ExrCompression compression, WorkerPool& pool) {
+                                    const CameraFacts& camera, const std::string& folder,
+                                    ExrCompression compression, WorkerPool& pool) {
   NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", compression,
                    pool);
+  const GroundTruth& truth = views.truth_;
+  if (truth.cols() != camera.width || truth.rows() != camera.height)
+    return Error{ErrorCode::SizeChanged,
+                 fmt::format("the clip '{}' has {}x{} pixels and the recording {}x{}; give --truth the clip "
+                             "that was recorded",
+                             clip_folder, truth.cols(), truth.rows(), camera.width, camera.height)};
   for (int frame = 0; frame < views.truth_.frames(); ++frame)
     if (views.truth_.novel_camera(frame)) views.frames_.emplace(views.truth_.number(frame), frame);
   return views;

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "hal/core/frame.h"
 #include "hal/core/worker_pool.h"
 #include "hal/storage.h"
 #include "online/frame_estimate.h"
@@ -18,10 +19,10 @@ namespace hdrcam {
 
 class NovelViews {
  public:
-  // folder: of the HDR frames, which are compressed like this. Storage and pool outlive the views. Errors:
-  // those of GroundTruth.
-  static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
-                                 ExrCompression compression, WorkerPool& pool);
+  // camera: of the frames that are rendered; folder: of the HDR frames, which are compressed like this.
+  // Storage and pool outlive the views. Errors: those of GroundTruth; SizeChanged for a clip of another size.
+  static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const CameraFacts& camera,
+                                 const std::string& folder, ExrCompression compression, WorkerPool& pool);
 
   // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
   Result<void> render(const FrameEstimate& estimate);

@@ -154,8 +154,9 @@ Result<void> Run::open_outputs() {
   sinks_ = TRY(open_sinks(plan_, camera_, pace_, source_.control(), storage_));
   if (scene_) TRY(scene_->name_file(storage_, output.path(Settings::Output::kSnapshot)));
   if (!plan_.truth.empty())
-    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path(sink_name::kFrames)),
-                                        compression_of(output, pace_), pool_));
+    novel_views_ =
+        TRY(NovelViews::open(storage_, plan_.truth, camera_, folder_of(output.path(sink_name::kFrames)),
+                             compression_of(output, pace_), pool_));
   return {};
 }
 

@@ -437,6 +437,19 @@ TEST_CASE("a replay's scores are of the frames that it wrote, and of no others i
   CHECK(text_of(out + "/000004.exr") == text);
 }
 
+TEST_CASE("a clip of another size is refused as the truth before the recording is replayed") {
+  const std::string folder = sample::scratch_folder("replay_other_truth"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip", out = folder + "/out";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk}).exit_code == 0);
+  REQUIRE(ran_here({"simulate", "walk?size=64x48", "--frames", "6", "--truth", clip}).exit_code == 0);
+  const RanHere refused =
+      ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "-o", out + "/%06d.exr"});
+  INFO(refused.err);
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::SizeChanged));
+  CHECK(refused.err.find("/clip' has 64x48 pixels and the recording 32x32") != std::string::npos);
+  CHECK_FALSE(fs::exists(out + "/000000.exr"));
+}
+
 TEST_CASE("novel views are compressed as the frames are") {
   const std::string folder = sample::scratch_folder("replay_novel"), walk = folder + "/walk.mkv",
                     clip = folder + "/clip", facts = clip + "/gt/gt.json";
