@@ -1,6 +1,7 @@
 // hdrcam live --camera ID -o out/%06d.exr: turns a camera's frames into HDR frames as they arrive.
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "firmware_host/commands/camera_run.h"
@@ -10,6 +11,9 @@
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/run.h"
+#include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/output_guard.h"
+#include "firmware_host/sinks/sink_name.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 
@@ -73,6 +77,14 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   return ended;
 }
 
+// The live page starts recordings later; whether their files can be made shows now.
+Result<void> make_room_for_takes(const Settings::Output& output, Storage& storage) {
+  if (output.http_takes.empty() || output.path(sink_name::kHttp).empty()) return {};
+  const FramePattern names = TRY(FramePattern::parse("--http-record", output.http_takes, ".mkv"));
+  const NamedOutput first{"--http-record", names.path(1), OutputKind::Recording};
+  return make_room_for(storage, std::span(&first, 1));
+}
+
 // Everything that can be refused before a camera is opened.
 Result<void> check_live(const LiveFlags& flags, const Settings& settings, Storage& storage) {
   TRY(check_strict(flags, settings.camera));
@@ -81,7 +93,9 @@ Result<void> check_live(const LiveFlags& flags, const Settings& settings, Storag
     TRY(check_recorded_poses(storage, replayed_file(settings.camera.id), settings));
   else
     TRY(check_tracked_poses(settings, "a camera states none"));
-  return check_camera_run(settings, "--record", sink_kinds(), flags.kept, storage);
+  TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, storage));
+  return is_read_as_fast_as_asked(settings.camera) ? Result<void>()
+                                                   : make_room_for_takes(settings.output, storage);
 }
 
 // What became of the frames, and what to do where some were lost on their way.

@@ -7,6 +7,7 @@
 #include "tests/places.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
+#include "tests/support/files.h"
 #include "tests/support/ran.h"
 
 using namespace hdrcam;
@@ -175,6 +176,14 @@ TEST_CASE(
     CHECK(run.exit_code == kExitOk);
     CHECK_THAT(run.output, Catch::Contains("note: this run writes no files"));
   }
+}
+
+TEST_CASE("a place where the live page can make no recordings is refused before the camera starts") {
+  const std::string folder = sample::scratch_folder("takes_nowhere");
+  test::write_file(folder + "/notes", "no folder");
+  check_refused({"live", "--camera", "sim:still?size=64x48", "--frames", "1", "--http", "127.0.0.1:0",
+                 "--http-record", folder + "/notes/%03d.mkv"},
+                ErrorCode::Permission, "/notes' is a file, and a folder is needed in its place");
 }
 
 TEST_CASE("a cycle of equal exposures is refused") {
