@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace hdrcam {
 
@@ -61,6 +64,22 @@ struct CurveSquares {
       d[p.at] += weight * target * p.factor;
       for (const Term& q : of_shared) C(p.at, q.at) += weight * p.factor * q.factor;
     }
+  }
+
+  // What an equation has of weight beyond what it tells of g: a bound holds g, but says not how far beyond it
+  // g is.
+  struct Hold {
+    double weight;
+    std::array<Term, 4> of_curve;
+  };
+  std::vector<Hold> holds;
+
+  // The precision of g: A without what only holds it.
+  Eigen::MatrixXd take_precision() && {
+    for (const auto& [weight, of_curve] : holds)
+      for (const Term& p : of_curve)
+        for (const Term& q : of_curve) A(p.at, q.at) -= weight * p.factor * q.factor;
+    return std::move(A);
   }
 };
 

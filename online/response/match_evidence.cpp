@@ -54,6 +54,10 @@ double add_white_bounds(const CodeMatches& matches, const PairOfExposures& pair,
                         const MatchNoise& noise, const Eigen::VectorXd& g, CurveSquares& squares) {
   constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
   constexpr double kMatches = 20;                   // a bound counts like so many
+  // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
+  // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
+  constexpr double kBeyond = 0.75;
+  const double told = 1 / (kBeyond * kBeyond * std::max(1.0, static_cast<double>(matches.white_from.size())));
   const Knots white(static_cast<double>(without_black(clip_policy::kResponseMatch.brightest, black_level)));
   double misfit = 0;
   for (const float code : matches.white_from) {
@@ -63,6 +67,7 @@ double add_white_bounds(const CodeMatches& matches, const PairOfExposures& pair,
     const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
     misfit += w * r * r;
     pair.add(w, from, white, pair.stated - kTolerance, squares);
+    squares.holds.push_back({std::max(0.0, w - told), difference_of(from, white)});
   }
   return misfit;
 }

@@ -141,7 +141,7 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
       alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
       of_shared[c] = {agreed.C - agreed.B.transpose() * change[c],
                       agreed.d - change[c].transpose() * agreed.b};
-      curve.precision = std::move(agreed.A);
+      curve.precision = std::move(agreed).take_precision();
     });
     fit.shared = agreed_on(shared_precision, of_shared);
     for (std::size_t c = 0; c < 3; ++c) {

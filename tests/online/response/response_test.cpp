@@ -47,6 +47,22 @@ ExposedFrame frame_of(float exposure, Code&& code) {
   return frame;
 }
 
+// Black up to a sixtieth of full light.
+Response long_toe() {
+  Response::Curve inverse;
+  for (std::size_t z = 0; z < inverse.size(); ++z)
+    inverse[z] = std::pow(60.f, std::sqrt(static_cast<float>(z) / 255) - 1);
+  return Response({inverse, inverse, inverse});
+}
+
+// A frame of fourteen stops from left to right.
+ExposedFrame dark_to_bright(const Response& response, float exposure) {
+  return frame_of(exposure, [&](int c, int, int x) {
+    const float x_seen = exposure * std::exp2(-14 + 14 * static_cast<float>(x) / 256);
+    return x_seen < response.inverse(c)[0] ? 0.f : std::round(response.code_of(c, std::min(1.f, x_seen)));
+  });
+}
+
 // Codes of a pattern that is like no moving scene: mean +- contrast.
 Image<float> another_scene(int rows, int cols, float mean, float contrast) {
   return test::coded_frame(rows, cols,
@@ -277,19 +293,9 @@ TEST_CASE("what an exposure is off counts for all frames of it, however its repo
 TEST_CASE(
     "two exposures that share no code still tell a long toe: what is white in one is hardly black in the "
     "other") {
-  Response::Curve inverse;  // black up to a sixtieth of full light; the exposures are 64 apart
-  for (std::size_t z = 0; z < inverse.size(); ++z)
-    inverse[z] = std::pow(60.f, std::sqrt(static_cast<float>(z) / 255) - 1);
-  const Response response({inverse, inverse, inverse});
-  const auto recorded = [&](float exposure) {
-    return frame_of(exposure, [&](int c, int, int x) {
-      const float light = std::exp2(-14 + 14 * static_cast<float>(x) / 256);
-      return light * exposure < inverse[0] ? 0
-                                           : std::round(response.code_of(c, std::min(1.f, light * exposure)));
-    });
-  };
+  const Response response = long_toe();
   ResponseEstimator estimator;
-  REQUIRE(estimator.add_pair(recorded(1), recorded(64), SceneCuts::None));
+  REQUIRE(estimator.add_pair(dark_to_bright(response, 1), dark_to_bright(response, 64), SceneCuts::None));
   const Response found = estimator.estimate({}).response;
   const auto stops_off = [&](const Response& of, float code) {
     return std::log2(of.exposure_of(1, code) / response.exposure_of(1, code));
@@ -298,6 +304,21 @@ TEST_CASE(
     CAPTURE(code, stops_off(found, code), stops_off(prior_mean_response(), code));
     CHECK(std::abs(stops_off(found, code)) < 0.5f * std::abs(stops_off(prior_mean_response(), code)));
   }
+}
+
+TEST_CASE("a bound of white leaves open how far beyond it a toe is, however many frames show the bound") {
+  const auto uncertainty_of_toe = [](int pairs) {  // ln x
+    ResponseEstimator estimator;
+    const Response response = long_toe();
+    for (int i = 0; i < pairs; ++i)
+      REQUIRE(estimator.add_pair(dark_to_bright(response, 1), dark_to_bright(response, 64), SceneCuts::None));
+    return estimator.estimate({}).response.uncertainty(1, 4);
+  };
+  const float of_one = uncertainty_of_toe(1);
+  CAPTURE(of_one, uncertainty_of_toe(0));
+  CHECK(of_one > 0.5f);  // .36 if the bound were a measurement of both sides
+  CHECK(of_one < 0.6f * uncertainty_of_toe(0));
+  CHECK(uncertainty_of_toe(5) == Approx(of_one).epsilon(1e-3));
 }
 
 TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {
