@@ -48,28 +48,20 @@ float without_black(float code, float black_level) {
   return (code - black_level) * (kMaxCode / (kMaxCode - black_level));
 }
 
-// What the bounds of one pair of exposures say, where the curve breaks them: of the codes from which on the
-// longer exposure is white, x is E1/E2 of white at least. Returns their misfit.
-double add_white_bounds(const CodeMatches& matches, const PairOfExposures& pair, float black_level,
-                        const MatchNoise& noise, const Eigen::VectorXd& g, CurveSquares& squares) {
-  constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
-  constexpr double kMatches = 20;                   // a bound counts like so many
-  // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
-  // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
-  constexpr double kBeyond = 0.75;
-  const double told = 1 / (kBeyond * kBeyond * std::max(1.0, static_cast<double>(matches.white_from.size())));
-  const Knots white(static_cast<double>(without_black(clip_policy::kResponseMatch.brightest, black_level)));
-  double misfit = 0;
-  for (const float code : matches.white_from) {
-    const Knots from(static_cast<double>(without_black(code, black_level)));
-    const double r = pair.rest(from, white, g) + kTolerance;
-    if (r >= 0) continue;
-    const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
-    misfit += w * r * r;
-    pair.add(w, from, white, pair.stated - kTolerance, squares);
-    squares.holds.push_back({std::max(0.0, w - told), difference_of(from, white)});
-  }
-  return misfit;
+// One entry of a channel's matches, and its places among what the channels share.
+PairOfExposures pair_of(const HistogramMatches::OfChannel::value_type& entry,
+                        const shared_unknowns::Values& shared) {
+  constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
+  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
+  const auto& [key, matches] = entry;
+  const Eigen::Index shorter = shared_unknowns::place_of(key.first, shared.keys),
+                     longer = shared_unknowns::place_of(key.second, shared.keys);
+  const double count = std::max(1.0, static_cast<double>(matches.codes.size()));
+  return {.shorter = shorter,
+          .longer = longer,
+          .stated = matches.log_ratio,
+          .log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer],
+          .scale = kMatchWeight * std::min(1.0, kMaxWeightPerRatio / count)};
 }
 
 }  // namespace
@@ -80,24 +72,15 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
   // ln x: motion between the frames moves the quantiles, and so does compression
   constexpr double kSigmaOfOwnNoise = 0.03, kSigma = 0.06;
   const double match_sigma = noise.is_own ? kSigmaOfOwnNoise : kSigma;
-  constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
-  constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
-  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
+  constexpr double kCauchy2 = 4;  // squared scale of the robust weight, in sigmas
   const auto [first, last] = clip_policy::kResponseMatch;
   double misfit = 0;
-  for (const auto& [key, matches] : channel) {
-    if (matches.codes.empty() && matches.white_from.empty()) continue;
-    const Eigen::Index shorter = shared_unknowns::place_of(key.first, shared.keys),
-                       longer = shared_unknowns::place_of(key.second, shared.keys);
-    const double count = std::max(1.0, static_cast<double>(matches.codes.size()));
-    const PairOfExposures pair{.shorter = shorter,
-                               .longer = longer,
-                               .stated = matches.log_ratio,
-                               .log_ratio = matches.log_ratio + shared.e[shorter] - shared.e[longer],
-                               .scale = kMatchWeight * std::min(1.0, kMaxWeightPerRatio / count)};
-    misfit += add_white_bounds(matches, pair, black_level, noise, g, squares);
+  for (const auto& entry : channel) {
+    const std::vector<CodeMatch>& codes = entry.second.codes;
+    if (codes.empty()) continue;
+    const PairOfExposures pair = pair_of(entry, shared);
     double sum = 0, used = 0, usable = 0;
-    for (const CodeMatch& match : matches.codes) {
+    for (const CodeMatch& match : codes) {
       const float z1 = without_black(match.z1, black_level), z2 = without_black(match.z2, black_level);
       usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
       if (z1 < first || z2 > last) continue;
@@ -112,6 +95,34 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage
     if (used > 0) misfit += sum * std::max(used, usable) / used;
+  }
+  return misfit;
+}
+
+double add_white_bounds(const HistogramMatches::OfChannel& channel, float black_level,
+                        const MatchNoise& noise, const Eigen::VectorXd& g,
+                        const shared_unknowns::Values& shared, CurveSquares& squares) {
+  constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
+  constexpr double kMatches = 20;                   // a bound counts like so many
+  // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
+  // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
+  constexpr double kBeyond = 0.75;
+  const Knots white(static_cast<double>(without_black(clip_policy::kResponseMatch.brightest, black_level)));
+  double misfit = 0;
+  for (const auto& entry : channel) {
+    const std::vector<float>& codes = entry.second.white_from;
+    if (codes.empty()) continue;
+    const PairOfExposures pair = pair_of(entry, shared);
+    const double told = 1 / (kBeyond * kBeyond * static_cast<double>(codes.size()));
+    for (const float code : codes) {
+      const Knots from(static_cast<double>(without_black(code, black_level)));
+      const double r = pair.rest(from, white, g) + kTolerance;
+      if (r >= 0) continue;
+      const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
+      misfit += w * r * r;
+      pair.add(w, from, white, pair.stated - kTolerance, squares);
+      squares.holds.push_back({std::max(0.0, w - told), difference_of(from, white)});
+    }
   }
   return misfit;
 }

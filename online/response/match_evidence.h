@@ -1,6 +1,6 @@
-// What matched codes say of the response: the same light at the exposures E1 and E2 gives the codes z1 and
-// z2, so g(z1) - g(z2) = ln E1/E2, with g = ln x. Each match is one equation, weighted by the noise of both
-// codes and robustly (Cauchy). Reentrant.
+// What two exposures of one scene say of the response. The same light at the exposures E1 and E2 gives the
+// codes z1 and z2, so g(z1) - g(z2) = ln E1/E2, with g = ln x. Each match is one equation, weighted by the
+// noise of both codes and robustly (Cauchy). Reentrant.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,5 +22,12 @@ struct MatchNoise {
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
                           const MatchNoise& noise, const Eigen::VectorXd& g,
                           const shared_unknowns::Values& shared, CurveSquares& squares);
+
+// The same of what is white in the longer exposure, where the curve breaks that: of the codes of the shorter
+// one from which on it is, x is E1/E2 of white at least. It tells of the curve alone: broken under a curve
+// that is known, a bound is of what moved.
+double add_white_bounds(const HistogramMatches::OfChannel& channel, float black_level,
+                        const MatchNoise& noise, const Eigen::VectorXd& g,
+                        const shared_unknowns::Values& shared, CurveSquares& squares);
 
 }  // namespace hdrcam

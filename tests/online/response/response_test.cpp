@@ -306,6 +306,15 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("under a known response what is white in one exposure and dark in the other moves no exposure") {
+  ResponseEstimator estimator;
+  const std::array<ExposedFrame, 2> frames{dark_to_bright(long_toe(), 1), dark_to_bright(long_toe(), 64)};
+  REQUIRE(estimator.add_pair(frames[0], frames[1], SceneCuts::None));
+  const ExposureCorrections found = estimator.estimate_under(Response::gamma(2.2f), {}).exposures;
+  for (const ExposedFrame& frame : frames)
+    CHECK(found.corrected(frame.exposure) == Approx(frame.exposure).epsilon(1e-3));
+}
+
 TEST_CASE("a bound of white leaves open how far beyond it a toe is, however many frames show the bound") {
   const auto uncertainty_of_toe = [](int pairs) {  // ln x
     ResponseEstimator estimator;
