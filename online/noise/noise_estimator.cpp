@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr int kStripe = 16;              // rows of those looked at
-constexpr int kWholeFrames = 9;          // at the beginning
+constexpr int kWholePairs = 8;           // at the beginning
 constexpr int kMostTurns = 8;
 // Of the shorter exposure, as the longer one predicts it: darker ones are clipped at zero and spread too
 // little.
@@ -171,11 +171,12 @@ void NoiseEstimator::compare_stripes(const ExposedFrame& a, const ExposedFrame& 
       found_[static_cast<std::size_t>(row)] = compare_row(a, a_to_b, response, ratio, row);
   };
   // Stripes side by side share rows of the picture, so that each part leaves some out.
-  const int stripes = (rows + kStripe - 1) / kStripe, index = std::max(a.index, b.index);
+  const int stripes = (rows + kStripe - 1) / kStripe;
+  const int index = std::max(a.index, b.index);
   const int turns = std::clamp(a.codes.rows() * a.codes.cols() / kUsualPixels, 1, kMostTurns);
   const int parts = std::max(turns, 2);
   for (int part = 0; part < parts; ++part)
-    if (turns == 1 || index < kWholeFrames || part == (index + index / turns) % turns)
+    if (turns == 1 || pairs_ <= kWholePairs || part == (index + index / turns) % turns)
       pool_.for_each((stripes - part + parts - 1) / parts, [&](int i) { compare_stripe(i * parts + part); });
 }
 

@@ -11,6 +11,7 @@ constexpr float kInside = -1e-4f;      // a pixel on an edge belongs to both tri
 constexpr float kTear = 1.8f;          // an edge longer than this many expected ones is torn
 constexpr float kLeastArea = 1e-6f;    // of a triangle, twice, in square pixels
 constexpr float kRounding_px = 1e-3f;  // of a triangle's bounds: what lies inside is found by kInside
+constexpr float kFar_px = 1e6f;        // beyond any picture, and still an int
 
 struct Corner {
   float x, y;  // in the target
@@ -45,8 +46,12 @@ void draw(const Corner& a, const Corner& b, const Corner& c, const Band& band) {
   if (!(area > kLeastArea)) return;  // seen from behind: a fold where one surface slides behind another
   if (torn(a, b) || torn(b, c) || torn(c, a)) return;
   const MeshAnswer& answer = *band.answer;
-  const auto first = [](float at) { return static_cast<int>(std::ceil(at - 0.5f - kRounding_px)); };
-  const auto last = [](float at) { return static_cast<int>(std::floor(at - 0.5f + kRounding_px)); };
+  const auto first = [](float at) {
+    return static_cast<int>(std::ceil(std::clamp(at, -kFar_px, kFar_px) - 0.5f - kRounding_px));
+  };
+  const auto last = [](float at) {
+    return static_cast<int>(std::floor(std::clamp(at, -kFar_px, kFar_px) - 0.5f + kRounding_px));
+  };
   const int x0 = std::max(0, first(std::min({a.x, b.x, c.x})));
   const int x1 = std::min(answer.rank.cols() - 1, last(std::max({a.x, b.x, c.x})));
   const int y0 = std::max(band.y0, first(std::min({a.y, b.y, c.y})));

@@ -84,9 +84,10 @@ bool tells_change(float ratio) {
 }
 
 // A row's motion, no longer than `longest` along either axis. Where nothing is seen a search answers with its
-// guess, which the ratio of the next step's time makes longer: without a limit that goes on to infinity.
+// guess, which the ratio of the next step's time makes longer: without a limit that goes on to infinity. What
+// is no number becomes a limit, too.
 void limit(float* motion, int n, float longest) {
-  for (int x = 0; x < n; ++x) motion[x] = std::min(std::max(motion[x], -longest), longest);
+  for (int x = 0; x < n; ++x) motion[x] = std::min(longest, std::max(-longest, motion[x]));
 }
 
 }  // namespace

@@ -101,9 +101,10 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
       float point[3], seen[3];
       here.place(centre, frame.base.at(0, y, x)[kBaseSurface], point);
       there.project(point, seen, nullptr);
-      const int tx = static_cast<int>(std::floor(seen[0] / kSplat)),
-                ty = static_cast<int>(std::floor(seen[1] / kSplat));
-      if (tx < 0 || ty < 0 || tx >= cols || ty >= rows) continue;
+      const float column = seen[0] / kSplat, row = seen[1] / kSplat;
+      if (!(column >= 0 && row >= 0 && column < static_cast<float>(cols) && row < static_cast<float>(rows)))
+        continue;
+      const int tx = static_cast<int>(column), ty = static_cast<int>(row);
       guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
     }
   for (int y = 0; y < rows; ++y) {
