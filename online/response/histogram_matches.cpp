@@ -72,9 +72,11 @@ class Ranking {
     double code;   // midway between two neighbouring codes
     double share;  // of the pixels that are darker
   };
-  // The boundary between codes that is nearest to this share of the pixels; none across a gap.
+  // The boundary between codes that is nearest to this share of the pixels; none across a gap. Where there is
+  // but one code, that code.
   std::optional<Boundary> boundary_near(double share) const {
     const Plateau p = plateau(share);
+    if (is_all(p)) return Boundary{p.code, share};
     const double below = static_cast<double>(p.begin) / size(), above = static_cast<double>(p.end) / size();
     const bool lower = share - below < above - share;
     const double code = lower ? p.lower : p.upper;
@@ -91,6 +93,7 @@ class Ranking {
                  upper = std::min(p.upper, p.code + kWidestGap / 2);
     return lower + (upper - lower) * std::clamp(within, 0.0, 1.0);
   }
+  bool has_one_code() const { return is_all(plateau(0.5)); }
   // The code above all of this share of the pixels.
   double code_above(double share) const { return plateau(share).upper; }
   double share_of_white() const {
@@ -115,6 +118,10 @@ class Ranking {
     const double upper = last == codes_.end() ? z + 0.5 : (z + static_cast<double>(*last)) / 2;
     return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()),
             z, lower, upper};
+  }
+  // But for a few pixels.
+  bool is_all(const Plateau& p) const {
+    return static_cast<double>(p.end - p.begin) >= (1 - kDarkShare) * size();
   }
   std::size_t index(double share) const {
     return std::min(codes_.size() - 1, static_cast<std::size_t>(share * size()));
@@ -182,6 +189,8 @@ HistogramMatches::OfFrames HistogramMatches::matches_between(std::vector<float> 
                                                              std::vector<float>& scratch) {
   const Ranking dark(std::move(shorter), scratch), light(std::move(longer), scratch);
   OfFrames found{{}, first_white(dark, light)};
+  if (light.has_one_code()) return found;
+  // of a shorter exposure of one code the longer one tells what is black: all that it does not make brighter
   for (int q = 1; q < kQuantiles; ++q) {
     const auto boundary = dark.boundary_near(static_cast<double>(q) / kQuantiles);
     if (!boundary || boundary->share <= kDarkShare || boundary->share >= 1 - kDarkShare) continue;

@@ -290,6 +290,18 @@ TEST_CASE("what an exposure is off counts for all frames of it, however its repo
   }
 }
 
+TEST_CASE("what a longer exposure does not make brighter is black, even where the shorter one is all black") {
+  constexpr float kPedestal = 16;
+  const auto lamp = frame_of(32, [](int, int y, int x) {
+    return kPedestal +
+           std::max(0.f, 24 - std::hypot(static_cast<float>(x) - 128, static_cast<float>(y) - 96));
+  });
+  ResponseEstimator estimator;
+  REQUIRE(estimator.add_pair(frame_of(1, [](int, int, int) { return kPedestal; }), lamp, SceneCuts::None));
+  const ResponseEstimate found = estimator.estimate({});
+  for (std::size_t c = 0; c < 3; ++c) CHECK(found.black_level[c] == Approx(kPedestal).margin(1));
+}
+
 TEST_CASE(
     "two exposures that share no code still tell a long toe: what is white in one is hardly black in the "
     "other") {
