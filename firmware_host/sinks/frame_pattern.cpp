@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "firmware_host/sinks/dash.h"
 #include "hal/core/parse_number.h"
 
 namespace hdrcam {
@@ -24,11 +25,11 @@ Error refused(std::string_view flag, std::string_view text, std::string_view why
                                           flag == kNumbersRecordings ? "takes/%03d" : "out/%06d", extension)};
 }
 
-// Of a name without a number. One without an extension is a folder's.
+// Of a name without a number. One without an extension is a folder's, but for that of the standard output.
 Error not_numbered(std::string_view flag, std::string_view text, std::string_view extension) {
   Error refusal =
       refused(flag, text, fmt::format("would put every {} into one file", content_of(flag)), extension);
-  if (!text.empty() && std::filesystem::path(text).extension().empty())
+  if (!text.empty() && text != kStandardOutput && std::filesystem::path(text).extension().empty())
     refusal.message = fmt::format("{} '{}' names no files; write it as '{}/%0{}d{}'", flag, text,
                                   text.substr(0, text.find_last_not_of('/') + 1),
                                   flag == kNumbersRecordings ? 3 : 6, extension);
