@@ -89,7 +89,7 @@ std::vector<SettingField> camera_fields() {
       number<kGroup, &C::height>("camera.height", "--height", "picture height in pixels", {16, 65535, 0},
                                  "the largest of up to 640x480"),
       number<kGroup, &C::framerate_hz>("camera.framerate", "--framerate",
-                                       "frames per second; for encode: of files that state no time",
+                                       "frames per second of the camera, or of files that state no time",
                                        {0.1, 1000, 0}, "the camera's default, or 30"),
       number<kGroup, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
                                   {4, kMostBuffers, {}}),

@@ -117,6 +117,11 @@ TEST_CASE("the help of a verb lists no flag that it never takes") {
   lacks({"calibrate"}, {"--adapt", "--pace"});
 }
 
+TEST_CASE("the help of a camera's verbs explains the frame rate without another verb") {
+  for (const char* verb : {"live", "record", "calibrate"})
+    CHECK_THAT(ran_here({verb, "--help"}).out, Contains("frames per second of the camera, or of files"));
+}
+
 TEST_CASE("--version is one line") {
   const RanHere version = ran_here({"--version"});
   CHECK(version.exit_code == kExitOk);
