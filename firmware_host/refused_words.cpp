@@ -52,6 +52,8 @@ std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
       return option->count() == 2 ? name + " is given twice; give it once"
                                   : fmt::format("{} is given {} times; give it once", name, option->count());
     if (sentence.starts_with(name + ": 1 required")) return name + " needs a value";
+    if (option->get_positional() && sentence == name + " is required")
+      return fmt::format("no {} given", name);
     const std::string reason = sentence.substr(std::min(name.size() + 2, sentence.size()));
     if (reason.starts_with("takes ")) return name + ' ' + reason;
     return sentence;
