@@ -310,7 +310,7 @@ void add_encode(CommandLine program, Verb& chosen) {
   CommandLine verb = program.add_verb("encode", "turn HDR frames that exist into a video");
   verb.add_option("frames", flags->frames, "the OpenEXR files, numbered: out/%06d.exr")
       .required()
-      .check(names_file);
+      .check(names_input);
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
       verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",

@@ -182,7 +182,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
 void add_export(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<ExportOptions>();
   CommandLine verb = program.add_verb("export", "turn a recording into a folder of images with a clip.json");
-  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_file);
+  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_input);
   verb.add_option("-o,--output", options->folder, "the folder to write").required().check(names_folder);
   verb.add_switch("--transforms", options->transforms,
                   "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");

@@ -370,7 +370,7 @@ void add_import(CommandLine program, Verb& chosen) {
           "footage", footage.files,
           "videos and pictures, or a folder of them; or a clip.json that states each exposure, or its folder")
       .required()
-      .check(names_file);
+      .check(names_input);
   verb.add_option("-o,--output", options->output, "the recording to write (.mkv)").check(names_file);
   verb.add_option(
       "--shutter", footage.shutter,

@@ -53,7 +53,7 @@ void add_info(CommandLine program, Verb& chosen) {
       "info", "show the content of a recording, or of a saved scene, and whether it is complete");
   verb.add_option("recording", options->recording, "the recording (.mkv), or the scene that --snapshot saved")
       .required()
-      .check(names_file);
+      .check(names_input);
   verb.add_switch("--json", options->json, "as JSON, for programs");
   verb.on_chosen(
       [options, &chosen] { chosen = [options](Surroundings& around) { return show(around, *options); }; });

@@ -304,7 +304,7 @@ void add_render(CommandLine program, Verb& chosen) {
   verb.add_option("recording", flags->recording,
                   "the recording (docs/recording.md), or a scene that --snapshot of replay or live "
                   "saved (docs/snapshot.md)")
-      .check(names_file);
+      .check(names_input);
   add_view_flags(verb, flags->options);
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(verb, kRecordingRunGroups, not_of_a_film());

@@ -70,7 +70,7 @@ void add_repair(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<RepairOptions>();
   CommandLine verb =
       program.add_verb("repair", "write the whole frames of a cut or damaged recording as a complete one");
-  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_file);
+  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_input);
   verb.add_option("-o,--output", options->output, "the recording to write (.mkv)")
       .required()
       .check(names_file);

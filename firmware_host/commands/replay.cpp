@@ -90,7 +90,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
 void add_replay(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<ReplayFlags>();
   CommandLine verb = program.add_verb("replay", "turn a recording into HDR frames");
-  verb.add_option("recording", flags->recording, "the recording (docs/recording.md)").check(names_file);
+  verb.add_option("recording", flags->recording, "the recording (docs/recording.md)").check(names_input);
   verb.add_option("--frames", flags->frames, "frames to take [all]").check(counts_frames());
   verb.add_option("--truth", flags->truth,
                   "a clip with ground truth: scores in the report, and the field's views from the clip's "

@@ -156,6 +156,10 @@ std::string names_folder(const std::string& word) {
   return word == "-" ? "takes the name of a folder, not '-', the standard output" : names_file(word);
 }
 
+std::string names_input(const std::string& word) {
+  return word == "-" ? "takes the name of a file, not '-': the standard input is not read" : names_file(word);
+}
+
 std::string shell_word(std::string_view word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";

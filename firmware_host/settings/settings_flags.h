@@ -23,6 +23,8 @@ std::string shell_word(std::string_view word);
 std::string names_file(const std::string& word);
 // The same of a flag for a folder to write, which takes no "-" either.
 std::string names_folder(const std::string& word);
+// The same of what is read, which may not be "-" either: nobody reads the standard input.
+std::string names_input(const std::string& word);
 
 class SettingsFlags {
  public:

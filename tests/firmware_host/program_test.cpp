@@ -191,6 +191,20 @@ TEST_CASE("a file whose name begins as a flag does is told apart, and how it is 
   CHECK_THAT(ran_here({"info", file}).err, Contains("unknown flag") && !Contains("the file is"));
 }
 
+TEST_CASE("'-' in the place of what is read is refused: nobody reads the standard input") {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"replay", "-", "-o", "x.mp4"},
+                                                {"render", "-", "-o", "x.mp4"},
+                                                {"info", "-"},
+                                                {"export", "-", "-o", "x"},
+                                                {"repair", "-", "-o", "x.mkv"},
+                                                {"import", "-", "-o", "x.mkv"},
+                                                {"encode", "-", "-o", "x.mp4"}}) {
+    const RanHere run = ran_here(words);
+    CHECK(run.exit_code == kExitUsage);
+    CHECK_THAT(run.err, Contains("takes the name of a file, not '-': the standard input is not read"));
+  }
+}
+
 TEST_CASE("a flag whose value is empty behind its equals sign takes no other word for it") {
   const auto told = [](const std::vector<std::string>& words) { return ran_here(words).err; };
   CHECK_THAT(told({"render", "no.mkv", "--view=", "-o", "o/%06d.exr"}), Contains("'no.mkv' does not exist"));
