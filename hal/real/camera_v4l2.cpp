@@ -182,9 +182,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     return slots_.check_none_leased();
   }
 
-  // A capture node that lets formats and exposure be set needs no other; of another its sensor's are needed.
   Result<void> check_sensor_reached() const {
-    if (!nodes_.forbidden || (control_.exists() && !nodes_.identity.media_controlled)) return {};
+    if (!nodes_.forbidden || !needs_sensor_node(nodes_.identity, capabilities_)) return {};
     Error error = *nodes_.forbidden;
     error.message = fmt::format("the sensor of '{}' cannot be found: {}", nodes_.video.path(), error.message);
     return error;

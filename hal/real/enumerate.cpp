@@ -12,6 +12,7 @@
 #include "hal/real/device_node.h"
 #include "hal/real/gpio_line.h"
 #include "hal/real/media_graph.h"
+#include "hal/real/v4l2_modes.h"
 
 namespace hdrcam {
 namespace {
@@ -60,6 +61,16 @@ void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
     devices.push_back(described(camera, kLibcameraPrefix + camera.id));
 }
 
+// Why the sensor of a camera that needs one is not found; nullopt: it is, or there is none.
+std::optional<Error> sensor_not_reached(const std::string& node, const CameraCapabilities& camera) {
+  const auto graph = media_graph_of(node);
+  if (graph) return std::nullopt;
+  if (auto video = DeviceNode::open(node); video.ok())
+    if (auto identity = identify(*video); identity.ok() && !needs_sensor_node(*identity, camera))
+      return std::nullopt;
+  return graph.error();
+}
+
 void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
   for (const std::string& node : device_nodes("video")) {
     auto camera = open_v4l2_camera(node);
@@ -69,8 +80,8 @@ void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
       continue;
     }
     FoundDevice found = described((*camera)->capabilities(), node);
-    if (const auto graph = media_graph_of(node); !graph)
-      found.missing.push_back("its sensor's controls cannot be found: " + graph.error().message);
+    if (const auto closed = sensor_not_reached(node, (*camera)->capabilities()))
+      found.missing.push_back("its sensor's controls cannot be found: " + closed->message);
     if (const std::string holder = holder_of(node); !holder.empty())
       found.facts.push_back("open in " + holder);
     devices.push_back(std::move(found));

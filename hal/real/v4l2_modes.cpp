@@ -170,6 +170,11 @@ Result<V4l2Identity> identify(const DeviceNode& video) {
   return identity;
 }
 
+bool needs_sensor_node(const V4l2Identity& identity, const CameraCapabilities& camera) {
+  if (identity.bus.starts_with("usb-") || identity.driver == "v4l2 loopback") return false;
+  return identity.media_controlled || !camera.sets_exposure;
+}
+
 std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type) {
   std::vector<StreamMode> modes;
   v4l2_fmtdesc format{};

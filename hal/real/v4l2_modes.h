@@ -18,6 +18,9 @@ struct V4l2Identity {
   bool media_controlled = false;  // formats are set along a media graph (V4L2_CAP_IO_MC)
 };
 Result<V4l2Identity> identify(const DeviceNode& video);
+// Whether its formats or its exposure can be set on nodes of a media graph only. A USB camera has all that it
+// lets be set on its capture node, also where its exposure is fixed; a loopback likewise.
+bool needs_sensor_node(const V4l2Identity& identity, const CameraCapabilities& camera);
 
 struct PixelSize {
   std::uint32_t width, height;
