@@ -18,14 +18,26 @@ if [ "$(job_says fingerprint "$folder/job")" = "$now" ] && [ "$(job_says exit "$
   echo "$recording: done earlier"
   exit 0
 fi
+
+# frames ACTION: of OUT/NAME, as replay numbers them.
+frames() { find "$folder" -maxdepth 1 -type f -regextype posix-extended -regex '.*/[0-9]{6,}\.exr' "$@"; }
+
+# ended CODE SAID: writes how the job went, and ends it.
+ended() {
+  {
+    printf 'fingerprint %s\nexit %s\n' "$now" "$1"
+    [ "$1" = 0 ] || printf 'said %s\n' "$2"
+  } >"$folder/job.part" && mv "$folder/job.part" "$folder/job"
+  exit "$1"
+}
+
 mkdir -p "$folder"
+# Every job begins its log before its frames.
+[ -e "$folder/log" ] || [ -z "$(frames -print -quit)" ] ||
+  ended 17 "in $folder are frames that no job of a fleet wrote; move them, or give another OUT"
 # An earlier job may have left more frames than this one will, and figures of its own.
 rm -f "$folder/job" "$folder/frames.csv" "$folder/stats.json"
-find "$folder" -maxdepth 1 -type f -regextype posix-extended -regex '.*/[0-9]{6,}\.exr' -delete
+frames -delete
 "$hdrcam" replay "$recording" -o "$folder/%06d.exr" --stats "$folder/stats.json" --force "${flags[@]}" 2>"$folder/log"
 code=$?
-{
-  printf 'fingerprint %s\nexit %s\n' "$now" "$code"
-  [ "$code" = 0 ] || printf 'said %s\n' "$(tail -n 1 "$folder/log")"
-} >"$folder/job.part" && mv "$folder/job.part" "$folder/job"
-exit "$code"
+ended "$code" "$(tail -n 1 "$folder/log")"

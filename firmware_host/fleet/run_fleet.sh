@@ -55,6 +55,9 @@ cancel() {
   exit 130
 }
 
+# quoted WORD: as sh reads it, which runs a job of Slurm.
+quoted() { printf "'%s'" "${1//\'/\'\\\'\'}"; }
+
 submit() {
   local code=0
   rm -f "$out"/slurm-*.log # of an earlier array
@@ -63,7 +66,8 @@ submit() {
   trap cancel INT TERM HUP
   stdbuf -oL sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" \
     --job-name=hdrcam-fleet --output="$out/slurm-%a.log" --export=ALL \
-    --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" | tee -i "$out/slurm-array.log" >&2 || code=$?
+    --wrap="$(quoted "$here/replay_one.sh") $(quoted "$out") \$SLURM_ARRAY_TASK_ID" |
+    tee -i "$out/slurm-array.log" >&2 || code=$?
   trap - INT TERM HUP
   [ "$code" = 0 ] || [ -s "$out/slurm-array.log" ] || { echo "sbatch failed with $code; no job was submitted" >&2; exit "$code"; }
 }

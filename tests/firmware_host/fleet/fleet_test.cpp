@@ -43,6 +43,10 @@ class Fleet {
         fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames),
         before);
   }
+  // to: the folder of the results, as a shell takes it.
+  Ran run_to(const std::string& to, const std::string& flags) const {
+    return shell(fmt::format("run_fleet.sh {} -o {} {}/a.mkv -- 3", flags, to, place_));
+  }
   Ran run_on(const std::string& recording, const std::string& frames = " -- 3") const {
     return shell(fmt::format("run_fleet.sh --plain -o {} {}/{}{}", out(), place_, recording, frames));
   }
@@ -103,6 +107,41 @@ TEST_CASE("a fleet does each recording once, and anew under other flags, without
   CHECK_THAT(failed.output, Contains("exit 9: hdrcam: there is no frame."));
   for (const char* file : {"a/000001.exr", "a/frames.csv", "a/stats.json"}) CHECK_FALSE(fleet.has(file));
   CHECK(fleet.has("a/mine.exr"));
+}
+
+TEST_CASE("a fleet deletes no frames that none of its jobs wrote") {
+  const Fleet fleet("fleet_foreign");
+  const std::string taken = fleet.out() + "/a/000009.exr";
+  fs::create_directories(fleet.out() + "/a");
+  std::ofstream(taken) << "of the user";
+  for (int i = 0; i < 2; ++i) {
+    const Ran refused = fleet.run("--plain", "3");
+    INFO(refused.output);
+    CHECK(refused.exit_code == 1);
+    CHECK_THAT(refused.output, Contains("exit 17: in ") && Contains("frames that no job of a fleet wrote"));
+    CHECK(fs::exists(taken));
+    CHECK_FALSE(fleet.has("a/000003.exr"));
+    CHECK(fleet.has("b/000003.exr"));
+  }
+  fs::remove(taken);
+  CHECK(fleet.run("--plain", "3").exit_code == 0);
+  CHECK(fleet.has("a/000003.exr"));
+}
+
+TEST_CASE("a fleet's folder may have any name, also on a cluster") {
+  const Fleet fleet("fleet_quotes");
+  const std::string folder = fs::path(fleet.out()).parent_path().string() + "/it's here";
+  fleet.program(
+      "sbatch",
+      "for word; do case $word in --wrap=*) SLURM_ARRAY_TASK_ID=0 sh -c \"${word#--wrap=}\" ;; esac; "
+      "done; echo 'Submitted batch job 7'");
+  for (const char* manner : {"", "--plain"}) {
+    const Ran run = fleet.run_to('"' + folder + '"', manner);
+    INFO(run.output);
+    CHECK(run.exit_code == 0);
+    CHECK(fs::exists(folder + "/a/000003.exr"));
+    fs::remove_all(folder);
+  }
 }
 
 TEST_CASE("a changed file that a flag names makes each job of a fleet new") {
