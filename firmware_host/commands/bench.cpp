@@ -12,6 +12,7 @@
 #include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/parse_number.h"
 
@@ -163,6 +164,7 @@ void add_bench(CommandLine program, Verb& chosen) {
       .check(names_file);
   verb.add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
       .required()
+      .transform(named_at_start)
       .check(names_folder);
   verb.add_option("--point", flags->points,
                   "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");

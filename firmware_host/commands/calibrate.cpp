@@ -13,6 +13,7 @@
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_toml.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/whole_percent.h"
 #include "hal/core/counted.h"
@@ -174,6 +175,7 @@ void add_calibrate(CommandLine program, Verb& chosen) {
                   "delay: control latency, in frames from a request to the picture that shows it")
       .type_name("delay");
   verb.add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
+      .transform(named_at_start)
       .check(names_file);
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(

@@ -11,6 +11,7 @@
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
@@ -183,7 +184,10 @@ void add_export(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<ExportOptions>();
   CommandLine verb = program.add_verb("export", "turn a recording into a folder of images with a clip.json");
   verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_input);
-  verb.add_option("-o,--output", options->folder, "the folder to write").required().check(names_folder);
+  verb.add_option("-o,--output", options->folder, "the folder to write")
+      .required()
+      .transform(named_at_start)
+      .check(names_folder);
   verb.add_switch("--transforms", options->transforms,
                   "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
   verb.add_switch("--colmap", options->colmap,

@@ -17,6 +17,7 @@
 #include "firmware_host/footage/low_codes.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/core/parse_number.h"
@@ -371,7 +372,9 @@ void add_import(CommandLine program, Verb& chosen) {
           "videos and pictures, or a folder of them; or a clip.json that states each exposure, or its folder")
       .required()
       .check(names_input);
-  verb.add_option("-o,--output", options->output, "the recording to write (.mkv)").check(names_file);
+  verb.add_option("-o,--output", options->output, "the recording to write (.mkv)")
+      .transform(named_at_start)
+      .check(names_file);
   verb.add_option(
       "--shutter", footage.shutter,
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"
 
@@ -13,7 +14,7 @@ namespace hdrcam {
 void JsonFlag::add_to(CommandLine verb, const char* what) {
   const std::string help =
       fmt::format("also write {} to this file; -: print them instead of the table", what);
-  verb.add_option("--json", path_, help.c_str()).check(names_file);
+  verb.add_option("--json", path_, help.c_str()).transform(named_at_start).check(names_file);
 }
 
 NamedOutput JsonFlag::output() const { return {"--json", stands_for_table() ? "" : path_}; }

@@ -8,6 +8,7 @@
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/recording/recording.h"
@@ -73,6 +74,7 @@ void add_repair(CommandLine program, Verb& chosen) {
   verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_input);
   verb.add_option("-o,--output", options->output, "the recording to write (.mkv)")
       .required()
+      .transform(named_at_start)
       .check(names_file);
   options->kept.add_to(verb);
   options->settings = std::make_unique<SettingsFlags>(verb, std::vector<std::string>{"machine.memory_mib"});

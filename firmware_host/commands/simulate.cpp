@@ -13,6 +13,7 @@
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/simulation/clip_timeline.h"
 #include "firmware_host/simulation/truth_clip.h"
 #include "firmware_host/terminal.h"
@@ -185,8 +186,11 @@ void add_simulate(CommandLine program, Verb& chosen) {
       program.add_verb("simulate", "film a simulated scene into a recording, with ground truth");
   verb.add_option("scene", flags->scene,
                   "name and settings, for instance walk?seed=3&size=320x240&objects=5");
-  verb.add_option("-o,--output", flags->output, "the recording to write (.mkv)").check(names_file);
+  verb.add_option("-o,--output", flags->output, "the recording to write (.mkv)")
+      .transform(named_at_start)
+      .check(names_file);
   verb.add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
+      .transform(named_at_start)
       .check(names_folder);
   verb.add_option("--frames", flags->frames, "frames to film").show_default().in_range(1, 1'000'000);
   verb.add_option("--format", flags->format, "pixel format: rgb or bayer")

@@ -58,3 +58,24 @@ TEST_CASE("a run on a recording or on its frames has its start in the names of i
   for (const char* verb : {"replay-20", "render-20", "encode-20"})
     CHECK(names().find(verb) != std::string::npos);
 }
+
+TEST_CASE("a file that a verb without settings of outputs writes has its start in its name, too") {
+  const std::string folder = sample::scratch_folder("start_time_verbs");
+  // The name of the file that starts so.
+  const auto written = [&](const std::string& start) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(start)) return entry.path().string();
+    return std::string("none");
+  };
+  const auto done = [&](const std::vector<std::string>& words) {
+    const test::RanHere run = test::ran_here(words);
+    INFO(run.err);
+    CHECK(run.exit_code == 0);
+  };
+  done({"simulate", "walk?size=64x48", "--frames", "6", "-o", folder + "/simulate-{start}.mkv", "--truth",
+        folder + "/truth-{start}"});
+  done({"export", written("simulate-20"), "-o", folder + "/export-{start}"});
+  done({"import", written("export-20"), "-o", folder + "/import-{start}.mkv"});
+  done({"repair", written("simulate-20"), "-o", folder + "/repair-{start}.mkv"});
+  for (const char* file : {"truth-20", "import-20", "repair-20"}) CHECK(written(file) != "none");
+}
