@@ -90,11 +90,22 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, c
   return outputs;
 }
 
+// The outcome of writing after so many whole frames. Where it failed the recording has no end.
+Result<void> or_cut(Result<void> wrote, const SimulateFlags& flags, int frames) {
+  if (wrote || flags.output.empty() || frames == 0) return wrote;
+  Error error = wrote.error();
+  error.message += fmt::format(
+      "; '{}' is cut after {}, of which 'hdrcam repair {} -o FILE' makes a complete "
+      "recording",
+      flags.output, counted(frames, "frame"), shell_word(flags.output));
+  return error;
+}
+
 // Completes the outputs of a run with so many frames; without any they stay as they are.
 Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, int frames, Outputs& outputs) {
   if (frames == 0) return {};
   if (outputs.recording) {
-    TRY(outputs.recording->finish());
+    TRY(or_cut(outputs.recording->finish(), flags, frames));
     say("{}\n", describe_recording(flags.output, sensor.facts(), static_cast<std::uint64_t>(frames)));
   }
   if (outputs.clip) {
@@ -123,8 +134,10 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const ClipTi
     sensor.expose(timeline.shot(sequence), frame.codes);
     frame.facts = timeline.facts(sequence, after_drop, sensor.facts().bits);
     const std::uint64_t next = TRY(timeline.next_kept(sequence + 1));
-    if (outputs.recording) TRY(outputs.recording->append(frame));
-    if (outputs.clip) TRY(outputs.clip->append(frame, timeline.centre_s(sequence), timeline.centre_s(next)));
+    if (outputs.recording) TRY(or_cut(outputs.recording->append(frame), flags, i));
+    if (outputs.clip)
+      TRY(or_cut(outputs.clip->append(frame, timeline.centre_s(sequence), timeline.centre_s(next)), flags,
+                 i + 1));
     after_drop = next != sequence + 1, sequence = next;
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "firmware_host/exit_code.h"
+#include "hal/fault/faulty_storage.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"
@@ -191,6 +192,19 @@ TEST_CASE("a simulation that is stopped leaves a whole recording and a whole cli
         static_cast<int>(recorded.frames.size()));
   CHECK(value_of(score_clip(posix_storage(), clip, clip + "/gt/hdr", {.skip = 0})).frames.size() ==
         recorded.frames.size());
+}
+
+TEST_CASE("a recording that a full disk cuts is said to be so, with how many frames it has") {
+  const std::string path = sample::scratch_folder("simulate_full") + "/walk.mkv";
+  FaultyStorage full(posix_storage(), {.space_bytes = 40'000});
+  const test::RanHere run =
+      test::ran_here({"simulate", "walk?size=64x48", "-o", path, "--frames", "60"}, full);
+  const std::size_t frames = sample::replay(posix_storage(), path).frames.size();
+  CAPTURE(run.err, frames);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::NoSpace));
+  CHECK(frames >= 2);
+  CHECK(run.err.find(fmt::format("'{0}' is cut after {1} frames, of which 'hdrcam repair {0} -o FILE'", path,
+                                 frames)) != std::string::npos);
 }
 
 TEST_CASE("simulate refuses in a sentence what it cannot do") {
