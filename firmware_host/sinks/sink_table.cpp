@@ -31,7 +31,7 @@ Result<void> check_takes_frames(int standard_output) {
   if (isatty(standard_output) == 0) return {};
   return Error{
       ErrorCode::Invalid,
-      "--output - would write the bytes of frames to this terminal; lead them into a program, such as "
+      "--output - would write the bytes of frames to this terminal; pipe them into a program, such as "
       "'hdrcam .. -o - | ffplay -', or name a video"};
 }
 
