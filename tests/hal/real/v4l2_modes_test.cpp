@@ -190,5 +190,19 @@ TEST_CASE("matrix and range of YUV are what the driver reports, or what its colo
     }
 }
 
+TEST_CASE("a camera may have its exposure on a sensor's node, but not one on USB, nor a loopback") {
+  V4l2Identity csi, usb, loopback;
+  csi.bus = "platform:fe801000.csi";
+  usb.bus = "usb-0000:00:14.0-1";
+  loopback.driver = "v4l2 loopback", loopback.bus = "platform:v4l2loopback-000";
+  CameraCapabilities camera;
+  for (const V4l2Identity& fixed : {usb, loopback}) CHECK_FALSE(needs_sensor_node(fixed, camera));
+  CHECK(needs_sensor_node(csi, camera));
+  camera.sets_exposure = true;  // on the capture node
+  CHECK_FALSE(needs_sensor_node(csi, camera));
+  csi.media_controlled = true;
+  CHECK(needs_sensor_node(csi, camera));
+}
+
 }  // namespace
 }  // namespace hdrcam
