@@ -9,8 +9,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kFewestTicks = 4;         // between two stills
-constexpr std::size_t kMostDigits = 9;  // of a second: nanoseconds
+constexpr int kFewestTicks = 4;                     // between two stills
+constexpr std::size_t kMostDigits = 9;              // of a second: nanoseconds
+constexpr int kFirstYear = 1970, kLastYear = 2261;  // whole years whose nanoseconds since 1970 fit 64 bits
 
 // Numbers where `form` has digits, the same characters elsewhere: "0000:00:00".
 template <std::size_t kCount>
@@ -57,7 +58,7 @@ std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view s
   const auto [y, mo, d, h, mi, s] = *parts;
   const year_month_day day{year(y), month(static_cast<unsigned>(mo)),
                            std::chrono::day(static_cast<unsigned>(d))};
-  if (!day.ok() || y < 1970 || h > 23 || mi > 59 || s > 60) return std::nullopt;
+  if (!day.ok() || y < kFirstYear || y > kLastYear || h > 23 || mi > 59 || s > 60) return std::nullopt;
   ExifTime time;
   time.local = sys_days(day).time_since_epoch() + hours(h) + minutes(mi) + seconds(s);
   time.tick = seconds(1);

@@ -19,8 +19,8 @@ struct ExifTime {
   Duration tick{};                   // what the text resolves: 1 s, 100 ms for one digit of SubSecTime ..
 };
 
-// "2026:11:22 17:03:04", "25", "+01:00"; the last two may be empty. nullopt where the first is no time, as
-// the blanks and zeros of a camera without a clock.
+// "2026:11:22 17:03:04", "25", "+01:00"; the last two may be empty. nullopt where the first is no time from
+// 1970 to 2261, as the blanks, zeros or nines of a camera without a clock.
 std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view sub_second,
                                   std::string_view offset);
 

@@ -45,6 +45,13 @@ TEST_CASE("a clock that was never set gives no time, nor does a text that states
     INFO(text);
     CHECK_FALSE(exif_time(text, "5", "+00:00"));
   }
+  for (const char* beyond_64_bits : {"2263:01:01 00:00:00", "9999:12:31 23:59:59"}) {
+    INFO(beyond_64_bits);
+    CHECK_FALSE(exif_time(beyond_64_bits, "", ""));
+  }
+  const auto last = exif_time("2261:12:31 23:59:59", "", "-14:00");
+  REQUIRE(last);
+  CHECK(last->local - *last->from_utc > last->local);
   for (const char* offset : {"", "   :  ", "01:00", "+1:00", "+25:00", "+01:60"}) {
     INFO(offset);
     CHECK_FALSE(exif_time("2026:01:01 12:00:00", "", offset)->from_utc);
