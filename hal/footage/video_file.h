@@ -32,10 +32,6 @@ class VideoFile : public PictureFile {
   VideoFile(std::unique_ptr<StorageFile> file, std::string path)
       : stream_(std::move(file), StorageStream::Direction::Read), path_(std::move(path)) {}
 
-  struct CloseDemuxer {
-    void operator()(AVFormatContext* demuxer) const { avformat_close_input(&demuxer); }
-  };
-
   Result<void> open_decoder();
   Result<void> check_index();
   Result<bool> decode();
@@ -51,7 +47,7 @@ class VideoFile : public PictureFile {
 
   StorageStream stream_;  // outlives the demuxer
   const std::string path_;
-  std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer_;
+  libav::Demuxer demuxer_;
   libav::CodecContext decoder_;
   libav::Frame frame_;
   libav::Packet packet_;

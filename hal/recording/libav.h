@@ -1,5 +1,5 @@
-// Ownership and errors of the FFmpeg libraries, for the files of this folder that call them. Their log is
-// silenced; failures are returned as an Error.
+// Ownership and errors of the FFmpeg libraries, for the files that call them, here, in hal/video/ and in
+// hal/footage/. Their log is silenced; failures are returned as an Error.
 #pragma once
 
 extern "C" {
@@ -24,6 +24,17 @@ struct Free {
 using CodecContext = std::unique_ptr<AVCodecContext, Free>;
 using Frame = std::unique_ptr<AVFrame, Free>;
 using Packet = std::unique_ptr<AVPacket, Free>;
+
+// The library has one type for reading and writing a container, and a function for the end of each.
+struct CloseDemuxer {
+  void operator()(AVFormatContext* demuxer) const { avformat_close_input(&demuxer); }
+};
+struct FreeMuxer {
+  void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
+};
+// The stream that they read or write (storage_stream.h) outlives them.
+using Demuxer = std::unique_ptr<AVFormatContext, CloseDemuxer>;
+using Muxer = std::unique_ptr<AVFormatContext, FreeMuxer>;
 
 // FFmpeg 5 (Debian 12) has other names than 6.1 and later (Ubuntu 24.04, Debian 13).
 #if LIBAVFORMAT_VERSION_MAJOR >= 61

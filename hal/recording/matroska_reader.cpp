@@ -18,14 +18,10 @@
 namespace hdrcam {
 namespace {
 
-struct CloseDemuxer {
-  void operator()(AVFormatContext* demuxer) const { avformat_close_input(&demuxer); }
-};
-
 // The container: packets in the order of the file.
 struct Container {
   std::unique_ptr<StorageStream> stream;  // outlives the demuxer
-  std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
+  libav::Demuxer demuxer;
   bool whole = false;        // finished, and not truncated since
   std::uint64_t end = 0;     // where it ends, if it is whole
   std::uint64_t behind = 0;  // bytes of another Matroska file that follows this one

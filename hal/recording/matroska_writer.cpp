@@ -23,10 +23,6 @@ namespace {
 constexpr Duration kSyncInterval = std::chrono::seconds(1);
 constexpr AVRational kMilliseconds = {1, 1000};
 
-struct FreeMuxer {
-  void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-};
-
 class MatroskaWriter : public RecordingWriter {
  public:
   static Result<std::unique_ptr<RecordingWriter>> create(Storage& storage, const std::string& path,
@@ -55,7 +51,7 @@ class MatroskaWriter : public RecordingWriter {
   Durability naming_ = Durability::AtOnce;
   StorageStream stream_;  // outlives the muxer
   PictureEncoder encoder_;
-  std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
+  libav::Muxer muxer_;
   libav::Packet facts_packet_;
   std::optional<Error> failure_;
   bool finished_ = false;

@@ -73,13 +73,9 @@ class VideoWriter {
   Result<void> state_light_level(const LightLevel& level);
   Result<void> checked(int code, const char* what);
 
-  struct FreeMuxer {
-    void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-  };
-
   StorageStream stream_;  // outlives the muxer
   const bool seekable_;
-  std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
+  libav::Muxer muxer_;
   libav::CodecContext encoder_;
   libav::Frame frame_;
   libav::Packet packet_;
