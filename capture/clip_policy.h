@@ -1,22 +1,14 @@
 // The codes that are too near to the ends of their range to measure light, because they may be clipped. All
 // limits stand here; they differ because their uses differ: a code that may still enter a weighted mean may
 // be too near to clipping to compare two pictures. Unit: codes of 255 unless stated otherwise. The values
-// were settled by ablation on clips with ground truth (docs/decisions).
+// were settled by ablation on clips with ground truth (docs/decisions). Constants.
 #pragma once
-
-#include <algorithm>
 
 namespace hdrcam::clip_policy {
 
 struct UsableCodes {
   float darkest, brightest;
 };
-
-// Whether a pixel is clipped in all channels, all of them bright or all of them dark.
-inline bool all_clipped(float r, float g, float b, const UsableCodes& usable) {
-  const float least = std::min(std::min(r, g), b), most = std::max(std::max(r, g), b);
-  return least >= usable.brightest || most <= usable.darkest;
-}
 
 // Ratio of two pictures' exposures: a code from here on may be clipped. The dark limit depends on how well
 // the response is known (photometric_response.h).

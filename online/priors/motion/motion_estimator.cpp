@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "capture/clip_policy.h"
+#include "capture/clipped_pixel.h"
 #include "online/pictures/copy_in_parallel.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"

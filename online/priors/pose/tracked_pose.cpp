@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capture/clip_policy.h"
+#include "capture/clipped_pixel.h"
 #include "hal/core/median.h"
 #include "online/priors/pose/heading_search.h"
 
