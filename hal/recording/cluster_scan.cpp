@@ -9,14 +9,16 @@
 namespace hdrcam {
 namespace {
 
-// Matroska's identifiers, with their length markers.
+// Identifiers with their length markers, of Matroska (RFC 9559, section 5.1) and of EBML around it (RFC
+// 8794).
 constexpr std::array kCluster{std::byte{0x1f}, std::byte{0x43}, std::byte{0xb6}, std::byte{0x75}};
 // The type of a document, in the head of every Matroska file.
 constexpr std::array kDocType{std::byte{0x42}, std::byte{0x82}, std::byte{0x88}, std::byte{'m'},
                               std::byte{'a'},  std::byte{'t'},  std::byte{'r'},  std::byte{'o'},
                               std::byte{'s'},  std::byte{'k'},  std::byte{'a'}};
 constexpr std::uint64_t kOwnHead = 64;  // bytes: what lies in them is of the file itself
-// Before the blocks of a cluster and, of a group, behind its block: its duration, what it refers to.
+// What may stand before the blocks of a cluster: CRC-32, Timestamp, Void, PrevSize, Position; and in a group
+// behind its block: BlockDuration, ReferenceBlock.
 constexpr std::uint64_t kBesideBlocks[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7, 0x9b, 0xfb};
 constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
 // A block begins with its track, numbered from 1; 0x80 marks the number's length.

@@ -23,7 +23,7 @@ struct FoundCluster {
 class ClusterScan {
  public:
   // from: the byte of the file where the search begins; most_bytes: of a block, more is damage; behind: the
-  // frame read last, 0 for none. The file outlives the scan.
+  // byte behind the frame that was read last, 0 for none. The file outlives the scan.
   ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes, std::uint64_t behind = 0)
       : file_(file), most_bytes_(most_bytes), at_(from), behind_(behind) {}
 
@@ -62,7 +62,7 @@ class ClusterScan {
   StorageFile& file_;
   const std::uint64_t most_bytes_;
   std::uint64_t at_;      // where the search for a mark goes on
-  std::uint64_t behind_;  // what was read last
+  std::uint64_t behind_;  // the byte behind what was read last
 };
 
 }  // namespace hdrcam

@@ -27,7 +27,8 @@ struct ElementSize {
   std::size_t length = 0;   // of the size itself
 };
 
-// The size with which these bytes begin; nullopt for one that goes on behind them, and for an unknown one.
+// The size with which these bytes begin; nullopt where it goes on behind them, and where it is the one that
+// stands for an unknown size.
 inline std::optional<ElementSize> size_in(std::span<const std::byte> bytes) {
   if (bytes.empty()) return {};
   const std::size_t length = length_by(bytes.front());
