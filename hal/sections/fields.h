@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +16,8 @@
 #include <vector>
 
 namespace hdrcam {
+
+static_assert(std::endian::native == std::endian::little, "sections hold numbers as they are in memory");
 
 // T is Of, or a const Of: list_fields() takes both.
 template <class T, class Of>

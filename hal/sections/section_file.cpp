@@ -4,13 +4,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <vector>
 
 namespace hdrcam {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kEnd = "end";
 constexpr std::size_t kNameLength = 16;
