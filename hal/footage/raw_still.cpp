@@ -47,11 +47,13 @@ std::uint32_t read_long(LibRaw_abstract_datastream& file, unsigned byte_order) {
 // Called by LibRaw for every entry of the EXIF directory, with the file at its value.
 void read_extras(void* extras, int tag, int type, int length, unsigned byte_order, void* file, INT64) {
   constexpr int kDateTimeOriginal = 0x9003, kOffsetTimeOriginal = 0x9011, kSubSecTimeOriginal = 0x9291;
-  constexpr int kOutputSensitivity = 0x8831, kExposureIndex = 0x8832, kIsoSpeed = 0x8833, kLong = 4;
+  constexpr int kOutputSensitivity = 0x8831, kRecommendedExposureIndex = 0x8832, kIsoSpeed = 0x8833,
+                kLong = 4;
   constexpr int kExposureTime = 0x829a, kRational = 5;
   auto& found = *static_cast<ExifExtras*>(extras);
   auto& stream = *static_cast<LibRaw_abstract_datastream*>(file);
-  const bool is_sensitivity = tag == kOutputSensitivity || tag == kExposureIndex || tag == kIsoSpeed;
+  const bool is_sensitivity =
+      tag == kOutputSensitivity || tag == kRecommendedExposureIndex || tag == kIsoSpeed;
   if (is_sensitivity && type == kLong && found.sensitivity == 0)
     found.sensitivity = read_long(stream, byte_order);
   if (tag == kExposureTime && type == kRational) {

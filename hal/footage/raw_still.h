@@ -1,7 +1,7 @@
 // The raw still of a camera (DNG, CR2, NEF and what else LibRaw knows): the codes of its sensor as a Bayer
 // mosaic, linear, with the black level and the exposure that the file states. They are stretched so that the
 // sensor's white level becomes the largest code: what is clipped is as bright as its code says. The camera's
-// white balance is a fact beside the mosaic, which stays what the sensor saw.
+// white balance is a fact beside the mosaic, which stays what the sensor saw. Reentrant.
 #pragma once
 
 #include <memory>
