@@ -189,7 +189,7 @@ void CaptureStage::settle_trigger() {
   counters_.trigger = trigger_.counters();
 }
 
-// What waits; of a line that floats more comes than can ever be read.
+// Takes the edges that wait, but not without end: a line that floats has the next one whenever one is taken.
 Result<void> CaptureStage::drain_strobe() {
   if (strobe_ == nullptr || options_.strobe == StrobePulse::Absent) return {};
   for (std::size_t edges = 0; edges < 4 * SyncLine::kMostWaiting; ++edges) {
@@ -206,7 +206,8 @@ Result<void> CaptureStage::drain_strobe() {
   return {};
 }
 
-// Once more where the time is over and hardly a pulse was driven meanwhile: the sensor had nothing to answer.
+// Waits once more where the time ran out and hardly a pulse was driven meanwhile: the sensor had nothing to
+// answer.
 Result<CapturedBuffer> CaptureStage::wait() {
   const std::uint64_t driven = trigger_.driven();
   Result<CapturedBuffer> waited = camera_.wait(options_.patience);

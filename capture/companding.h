@@ -1,7 +1,7 @@
-// Companding: the codes of a linear camera become their square roots, before the fit sees them. What is near
-// black is told apart in codes, whose steps are meant to be even to the eye, as those of pictures are; linear
-// codes are much finer there, and by the same limits most of what they tell would be taken for nothing.
-// Reentrant.
+// Companding: the codes of a linear camera become their square roots before the fit sees them. The fit tells
+// dark codes apart by limits in codes of 255 (clip_policy.h, the noise of a code), which suit pictures: their
+// steps are about even to the eye. Linear codes crowd the dark together: a thousandth of white is a quarter
+// of a code, and by those limits nothing. Companded it is eight codes. Reentrant.
 #pragma once
 
 #include "capture/exposed_frame.h"

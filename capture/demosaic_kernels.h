@@ -8,7 +8,7 @@
 
 namespace hdrcam {
 
-// Green, where the mosaic has none interpolated along the line with the smaller gradient.
+// Green of a row: the mosaic's, and where it has none, interpolated along the line with the smaller gradient.
 struct GreenRow {
   const std::uint16_t* mosaic[5];  // from two rows above to two below
   int lacking;                     // the columns without green: even (0) or odd (1) ones

@@ -51,8 +51,8 @@ bool outlasts_frame(double exposure_s, double interval_s);
 // two exposures differ. From centre to centre where an exposure time is unknown.
 Duration between_begins(const FrameFacts& frame, const FrameFacts& next);
 
-// "4ms", "250us", "1/250", "1/250s", "0.004s". A bare number is refused: seconds are meant by few who write
-// one. Invalid for anything else, zero or negative.
+// "4ms", "250us", "1/250", "1/250s", "0.004s". A bare number is refused: few who write one mean seconds.
+// Invalid for anything else, zero or negative.
 Result<Duration> parse_duration(std::string_view text);
 
 // A time before or after another one: "250us", "-2ms", "0". Invalid for anything else, and for a number other

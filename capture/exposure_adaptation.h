@@ -1,9 +1,9 @@
 // Adapts the cycle to the light: averages the clipped and dark shares of its shortest and its longest
 // exposure, and after a few cycles proposes a new cycle (exposure_advice.h). Where the camera takes it, it
 // waits until frames of the new cycle arrive; else the old one goes on, and it is asked again later. In the
-// dark, and where all is clipped, pictures cannot tell which exposure a frame had: of frames in a row of
-// which nobody knows it the darkest shows what the shortest exposure loses, the brightest what the longest
-// does. Thread-bound; no allocation after construction.
+// dark, and where all is clipped, pictures cannot tell which exposure a frame had: of such frames in a row
+// the darkest then stands for the shortest exposure and the brightest for the longest. Thread-bound; no
+// allocation after construction.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
 // decides if it lies on the grid of the frame interval, otherwise the number (counters restart in standby and
 // miss drops). A jump of more than 300 frames is no gap that a counter missed, but a clock that was set or a
-// machine that slept: the number decides. From a time that went back nothing is counted. With a trigger there
+// machine that slept: the number decides. A time that went back counts for nothing. With a trigger there
 // is nothing to decide: each pulse that was driven is a frame. Thread-bound; bounded state, no allocation.
 #pragma once
 

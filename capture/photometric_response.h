@@ -17,8 +17,8 @@ class PhotometricResponse {
   // The mean of real cameras (Grossberg & Nayar's 201 curves). All their ratios are within a factor of 2.8 of
   // this one's on the logarithmic scale, for exposures 1 to 4 stops apart.
   static PhotometricResponse unknown();
-  // Response of raw codes, a code above black the same light whatever the black level. The ratio is measured
-  // in green, so the black level of green is used.
+  // Response of raw codes: so many codes above black are the same light whatever the black level. The ratio
+  // is measured in green, so the black level of green is used.
   static PhotometricResponse linear(const BlackLevel& black_level);
   // Raw codes with an unreported black level of 0..`most` codes of 255. Codes are used from where that range
   // matters little.

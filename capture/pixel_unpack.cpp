@@ -9,11 +9,11 @@ namespace {
 
 std::uint16_t byte(const std::byte* in, std::size_t i) { return std::to_integer<std::uint16_t>(in[i]); }
 
-void unpack_rgb(const std::byte* in, int y, int red, int blue, Image<std::uint16_t>& codes) {
-  std::uint16_t* r = codes.row(red, y);
-  std::uint16_t* g = codes.row(1, y);
-  std::uint16_t* b = codes.row(blue, y);
-  for (int x = 0; x < codes.cols(); ++x, in += 3) r[x] = byte(in, 0), g[x] = byte(in, 1), b[x] = byte(in, 2);
+// first, last: the channels of the first and the last byte of a pixel; green is between them.
+void unpack_rgb(const std::byte* in, int y, int first, int last, Image<std::uint16_t>& codes) {
+  std::uint16_t *of_first = codes.row(first, y), *green = codes.row(1, y), *of_last = codes.row(last, y);
+  for (int x = 0; x < codes.cols(); ++x, in += 3)
+    of_first[x] = byte(in, 0), green[x] = byte(in, 1), of_last[x] = byte(in, 2);
 }
 
 // The shares of red and blue in luma: ITU-R BT.601-7, 2.5.1; BT.709-6, 3.2; BT.2020-2, table 4.

@@ -26,8 +26,8 @@ class RawBlack {
   }
   // Raw codes, and nobody states it.
   bool unreported() const { return linear_ && !stated_; }
-  // The first level that comes with a frame holds for all where nobody else states one and the response was
-  // not learned otherwise: then first_response() is another one. Whether this is it.
+  // Takes the first level that comes with a frame for all frames, where nobody else states one and the
+  // response was not learned otherwise. Returns whether it did: first_response() is then another one.
   bool adopt(const std::optional<BlackLevel>& with_frame);
 
   // For the first pictures.

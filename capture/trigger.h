@@ -42,7 +42,7 @@ class Trigger {
   // The next pulse that was driven, in order; none where all were taken. A pulse that is just ending is
   // waited for: its frame may be there before its record.
   std::optional<TriggerPulse> take();
-  // Pulses driven since the start; of those that found the ring full take() does not know.
+  // Pulses driven since the start, with those that found the ring full and that take() does not return.
   std::uint64_t driven() const { return driven_; }
   // Why no further pulse comes, where the line failed.
   std::optional<Error> failure() const;

@@ -2,8 +2,8 @@
 // A pulse's answer is the first leading edge from a little before the pulse until half an interval after it;
 // a pulse without one, and a leading edge without a pulse, are counted and named. Of pulses that were driven
 // while the ring of the trigger was full there is no record: they count, and an answer between the pulses
-// around them is theirs; nobody knows which of them were late or unanswered. Nor is a pulse unanswered whose
-// answer may be among edges that the line lost, as it does for a reader that is late. Thread-bound; bounded
+// around them is theirs; nobody knows which of them were late or unanswered. A line loses edges of a reader
+// that is late: a pulse whose answer may be among them does not count as unanswered. Thread-bound; bounded
 // state, no allocation.
 #pragma once
 
