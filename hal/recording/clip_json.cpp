@@ -48,12 +48,18 @@ std::string_view non_number(const Json& value) {
   return word == kNonNumbers.end() ? "" : *word;
 }
 
-// The value, shortened, for a message.
+// The value, shortened, for a message: whole characters of UTF-8, which json_text() is.
 std::string shown_value(const Json& value) {
+  constexpr std::size_t kMostBytes = 40;
   if (const std::string_view word = non_number(value); !word.empty()) return std::string(word);
   std::string text = json_text(value);
-  if (text.size() > 40) text.resize(40), text += "..";
-  return text;
+  if (text.size() <= kMostBytes) return text;
+  const auto continues_character = [&](std::size_t at) {
+    return (static_cast<unsigned char>(text[at]) & 0xc0U) == 0x80U;
+  };
+  std::size_t end = kMostBytes;
+  while (continues_character(end)) --end;
+  return text.substr(0, end) + "..";
 }
 
 Result<Json> parsed(std::string& text, const std::string& path) {

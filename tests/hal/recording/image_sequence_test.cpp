@@ -277,6 +277,19 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
         ErrorCode::NotFound);
 }
 
+TEST_CASE("a value that is too long for a message is cut between two characters") {
+  const ClipFolder folder;
+  const auto umlauts = [](int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += "\xc3\xa4";
+    return text;
+  };
+  write_file(folder.path + "/clip.json",
+             "{" + std::string(kHead) + R"(,"layout":")" + umlauts(30) + R"(","frames":[{},{}]})");
+  const std::string shown = "'layout' is \"" + umlauts(19) + "..;";
+  CHECK(says(folder.error(), {shown.c_str()}));
+}
+
 TEST_CASE("a response that cannot be one is refused by its file, channel and code") {
   const ClipFolder folder;
   // Whose green has this at code 9.
