@@ -57,7 +57,7 @@ bool is_possible(const Keyframe& key, const SceneHead& scene) {
 bool is_possible(const SceneHead& scene) {
   const CameraFacts& camera = scene.camera;
   for (const int side : {camera.width, camera.height})
-    if (side < kMinSidePx || side > kMaxSidePx) return false;
+    if (!is_possible_side(side)) return false;
   FrameFacts begin;
   begin.timestamp = scene.first;
   if (objection_to(camera) || objection_to(begin, nullptr) || objection_to(scene.input.facts, nullptr))

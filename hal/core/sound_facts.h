@@ -12,6 +12,7 @@ namespace hdrcam {
 
 // Sides of a picture; the FFV1 of FFmpeg 5.1 loses pictures of one line.
 constexpr int kMinSidePx = 2, kMaxSidePx = 16384;
+constexpr bool is_possible_side(int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; }
 // Of a time stamp, from the clock's zero; differences of two in nanoseconds still fit 64 bits.
 constexpr double kLatest_s = 4e9;
 

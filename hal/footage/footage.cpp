@@ -176,8 +176,7 @@ class FootageFiles : public FootageReader {
  private:
   // Whether a recording can hold it; before all the others are read.
   Result<void> check_size() const {
-    const auto fits = [](int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; };
-    if (fits(camera_.width) && fits(camera_.height)) return {};
+    if (is_possible_side(camera_.width) && is_possible_side(camera_.height)) return {};
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' has {}x{} pixels, and a recording holds sides of {} to {}; crop or scale "
                              "the pictures first",

@@ -172,7 +172,7 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   camera.framerate_hz = TRY(clip.number("fps"));
   camera.bits = TRY(clip.integer<int>("bits"));
   for (const auto& [key, side_px] : {std::pair{"width", camera.width}, std::pair{"height", camera.height}})
-    if (side_px < kMinSidePx || side_px > kMaxSidePx)
+    if (!is_possible_side(side_px))
       return clip.wrong(key, fmt::format("{} to {} pixels are possible", kMinSidePx, kMaxSidePx));
   if (!(camera.framerate_hz > 0)) return clip.wrong("fps", "it must be greater than 0");
   if (camera.bits < 8 || camera.bits > 16) return clip.wrong("bits", "8 to 16 are possible");

@@ -158,8 +158,7 @@ std::span<const std::uint8_t> unsealed_head(const AVCodecParameters& stream) {
 }
 
 Result<void> check_recordable(const CameraFacts& camera) {
-  const auto fits = [](int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; };
-  if (!fits(camera.width) || !fits(camera.height))
+  if (!is_possible_side(camera.width) || !is_possible_side(camera.height))
     return Error{ErrorCode::Invalid,
                  fmt::format("a picture of {}x{} cannot be recorded; each side is {} to {} pixels",
                              camera.width, camera.height, kMinSidePx, kMaxSidePx)};
