@@ -156,7 +156,8 @@ struct CapturedBuffer {
   bool damaged = false;              // the driver reports incomplete pixels
   std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;
-  // Of a rolling shutter: the rows times what each is exposed later than the one above it; 0: unknown.
+  // Read-out of a rolling shutter: by how much each row is exposed later than the one above it, times the
+  // rows; 0: unknown.
   Duration readout{0};
   std::optional<BlackLevel> black_level;  // of this frame, where each states its own
   // Where the report comes from, if not from the driver: the sensor's embedded data, which neither V4L2 nor

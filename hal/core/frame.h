@@ -67,7 +67,8 @@ struct FrameFacts {
   Instant timestamp;           // centre of the exposure, under a rolling shutter that of the middle row
   double exposure_s = 0;
   double analogue_gain = 1, digital_gain = 1;
-  // Of a rolling shutter: the rows times what each is exposed later than the one above it; 0: none known.
+  // Read-out of a rolling shutter: by how much each row is exposed later than the one above it, times the
+  // rows; 0: none known.
   double readout_s = 0;
   int slot = -1;                          // position in the exposure schedule, -1 unknown
   std::optional<BlackLevel> black_level;  // as device or user state it

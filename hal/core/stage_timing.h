@@ -1,4 +1,5 @@
-// The timed stages of a frame, in the order of its way, and who is told how long each took.
+// The timed stages of a frame, in the order of its way, and who is told how long each took. A watch is
+// thread-bound.
 #pragma once
 
 #include <functional>

@@ -80,7 +80,7 @@ bool is_broken_link(const fs::path& path) {
   return fs::is_symlink(path, ignored) && !fs::exists(path, ignored);
 }
 
-// Those of such a kind with such names, in their order.
+// What the listing has of this kind with such a name, numbers in their order.
 template <class IsKind, class IsNamed>
 std::vector<std::string> files_of(const FolderListing& listing, const IsKind& is_kind,
                                   const IsNamed& is_named) {

@@ -91,13 +91,16 @@ std::optional<PixelLayout> layout_of(LibRaw& raw) {
   return std::nullopt;
 }
 
-// Of all colours together: the common level, the mean of the four, and that of a pattern.
+// Of all colours together. levels, as LibRaw's cblack: what comes on top of the common level for each of four
+// colours, then the rows and columns of a pattern that repeats, then what comes on top for each of its cells.
 template <class Level>
 double mean_black(Level common, const Level (&levels)[LIBRAW_CBLACK_SIZE]) {
+  constexpr unsigned kColours = 4, kRowsAt = 4, kColsAt = 5, kCellsAt = 6;
   double black = common;
-  for (int i = 0; i < 4; ++i) black += static_cast<double>(levels[i]) / 4;
-  const auto cells = std::min(static_cast<unsigned>(levels[4] * levels[5]), LIBRAW_CBLACK_SIZE - 6u);
-  for (unsigned i = 0; i < cells; ++i) black += static_cast<double>(levels[6 + i]) / cells;
+  for (unsigned i = 0; i < kColours; ++i) black += static_cast<double>(levels[i]) / kColours;
+  const auto cells =
+      std::min(static_cast<unsigned>(levels[kRowsAt] * levels[kColsAt]), LIBRAW_CBLACK_SIZE - kCellsAt);
+  for (unsigned i = 0; i < cells; ++i) black += static_cast<double>(levels[kCellsAt + i]) / cells;
   return black;
 }
 

@@ -28,7 +28,8 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
-// Rows of two moments; those of a PNG may be stored in another order, which its decoder calls so, too.
+// Whether its rows are of two moments. FFmpeg also calls a PNG interlaced whose rows are only stored in
+// another order (Adam7).
 bool is_interlaced(const AVFrame& frame, AVCodecID codec) {
   return libav::is_interlaced(frame) && codec != AV_CODEC_ID_PNG && codec != AV_CODEC_ID_APNG;
 }

@@ -68,8 +68,8 @@ std::string ImageSequence::path_of(int index) const {
   return (std::filesystem::path(folder_) / clip_.frames[static_cast<std::size_t>(index)].file).string();
 }
 
-// Somebody else's clip may name any file of this machine: neither is it shown to be there, nor is it waited
-// for.
+// Somebody else's clip may name any file of this machine: a picture outside is refused whether it is there or
+// not, and a FIFO is not waited for.
 Result<void> ImageSequence::check_reach(const std::string& path) const {
   const FileFacts there = TRY(storage_->look_at(path));
   if (there.kind == FileKind::Other)
