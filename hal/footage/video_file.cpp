@@ -209,7 +209,7 @@ Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std
   libav::be_quiet();
   auto stream = TRY(storage.open(path));
   std::unique_ptr<VideoFile> file(new VideoFile(std::move(stream), path));
-  AVFormatContext* demuxer = avformat_alloc_context();
+  AVFormatContext* demuxer = libav::allocated(avformat_alloc_context());
   demuxer->pb = file->stream_.context();
   demuxer->io_open = open_nothing;
   // Without a name: the content says what it is, and no name is taken for a pattern. On failure the library
@@ -233,7 +233,7 @@ Result<void> VideoFile::open_decoder() {
     return refused(ErrorCode::Unsupported, "is of a codec that the FFmpeg libraries of this machine lack");
   if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
   const AVStream& stream = *demuxer_->streams[track_];
-  decoder_.reset(avcodec_alloc_context3(codec));
+  decoder_.reset(libav::allocated(avcodec_alloc_context3(codec)));
   // As many threads as there are processors, on parts of one frame. On several frames, some would refer to
   // one whose damage is not known yet, and which are whole would differ from reading to reading.
   decoder_->thread_count = 0;
@@ -245,8 +245,8 @@ Result<void> VideoFile::open_decoder() {
   if (avcodec_parameters_to_context(decoder_.get(), stream.codecpar) < 0 ||
       avcodec_open2(decoder_.get(), codec, nullptr) < 0)
     return refused(ErrorCode::Unsupported, fmt::format("cannot be decoded as {}", codec->name));
-  frame_.reset(av_frame_alloc());
-  packet_.reset(av_packet_alloc());
+  frame_.reset(libav::allocated(av_frame_alloc()));
+  packet_.reset(libav::allocated(av_packet_alloc()));
   const std::string_view demuxer = demuxer_->iformat->name;
   // Demuxers of pictures; a JPEG that holds several may look like a stream of them.
   still_ = demuxer.ends_with("_pipe") || (demuxer == "mjpeg" && is_still(path_));

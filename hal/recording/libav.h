@@ -10,11 +10,19 @@ extern "C" {
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "hal/core/result.h"
 
 namespace hdrcam::libav {
+
+// What a function of the library allocated; without memory std::bad_alloc, as of new.
+template <class T>
+T* allocated(T* memory) {
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
 
 struct Free {
   void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }

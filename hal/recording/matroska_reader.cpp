@@ -76,8 +76,7 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   container.whole = end.has_value();
   container.end = end.value_or(0);
   if (end) container.behind = TRY(bytes_behind(file, *end));
-  AVFormatContext* demuxer = avformat_alloc_context();
-  HDRCAM_CHECK(demuxer != nullptr);
+  AVFormatContext* demuxer = libav::allocated(avformat_alloc_context());
   demuxer->pb = container.stream->context();
   demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
   // Frees the demuxer on failure.
@@ -141,7 +140,7 @@ std::optional<int> count_frames(Storage& storage, const std::string& path, const
   if (!container) return std::nullopt;
   AVFormatContext* demuxer = container->demuxer.get();
   if (av_seek_frame(demuxer, matroska::kFactsTrack, INT64_MAX, AVSEEK_FLAG_BACKWARD) < 0) return std::nullopt;
-  const libav::Packet packet(av_packet_alloc());
+  const libav::Packet packet(libav::allocated(av_packet_alloc()));
   for (; av_read_frame(demuxer, packet.get()) >= 0; av_packet_unref(packet.get())) {
     if (packet->stream_index != matroska::kFactsTrack || !seal_holds(text_of(*packet), {})) continue;
     const auto record = record_from_json(text_of(*packet), camera.bits);
@@ -196,7 +195,7 @@ class MatroskaReader : public RecordingReader {
   CameraFacts camera_;
   PictureDecoder decoder_;
   std::optional<int> count_;
-  libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
+  libav::Packet picture_{libav::allocated(av_packet_alloc())}, packet_{libav::allocated(av_packet_alloc())};
   bool has_picture_ = false;          // picture_ waits for its facts
   std::optional<Advance> ahead_;      // the first frame: read when the file was opened
   std::optional<Advance> last_;       // the end or the error, which stays

@@ -91,7 +91,7 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
   if (const int code = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr); code < 0)
     return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine cannot write Matroska"};
   muxer_.reset(muxer);
-  facts_packet_.reset(av_packet_alloc());
+  facts_packet_.reset(libav::allocated(av_packet_alloc()));
   muxer->pb = stream_.context();
   muxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT;  // the same frames give the same bytes
   frame_ms_ = std::max<std::int64_t>(1, std::llround(1000 / camera.framerate_hz));
@@ -109,8 +109,8 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
 }
 
 void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
-  AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
-  HDRCAM_CHECK(track != nullptr && avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
+  AVStream* track = libav::allocated(avformat_new_stream(muxer_.get(), nullptr));
+  HDRCAM_CHECK(avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
   // Matroska pads the head of Huffyuv to an even size. The zero is there: behind such data FFmpeg keeps
   // zeros.
   if (encoder_.codec() == RecordingCodec::Huffyuv)
@@ -122,8 +122,7 @@ void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
 }
 
 void MatroskaWriter::add_facts_track() {
-  AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
-  HDRCAM_CHECK(track != nullptr);
+  AVStream* track = libav::allocated(avformat_new_stream(muxer_.get(), nullptr));
   track->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
   track->codecpar->codec_id = AV_CODEC_ID_TEXT;
   track->time_base = kMilliseconds;

@@ -182,10 +182,9 @@ Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, Recording
   if (codec == nullptr)
     return Error{ErrorCode::Unsupported,
                  fmt::format("the FFmpeg libraries of this machine have no {} encoder", known_as(recording))};
-  encoder.context_.reset(avcodec_alloc_context3(codec));
-  encoder.frame_.reset(av_frame_alloc());
-  encoder.packet_.reset(av_packet_alloc());
-  HDRCAM_CHECK(encoder.context_ && encoder.frame_ && encoder.packet_);
+  encoder.context_.reset(libav::allocated(avcodec_alloc_context3(codec)));
+  encoder.frame_.reset(libav::allocated(av_frame_alloc()));
+  encoder.packet_.reset(libav::allocated(av_packet_alloc()));
   AVCodecContext& context = *encoder.context_;
   context.width = camera.width;
   context.height = camera.height;
@@ -238,9 +237,8 @@ Result<PictureDecoder> PictureDecoder::open(const CameraFacts& camera, const AVC
   if (codec == nullptr)
     return Error{ErrorCode::Unsupported,
                  fmt::format("the FFmpeg libraries of this machine have no {} decoder", known_as(*known))};
-  decoder.context_.reset(avcodec_alloc_context3(codec));
-  decoder.frame_.reset(av_frame_alloc());
-  HDRCAM_CHECK(decoder.context_ && decoder.frame_);
+  decoder.context_.reset(libav::allocated(avcodec_alloc_context3(codec)));
+  decoder.frame_.reset(libav::allocated(av_frame_alloc()));
   AVCodecContext& context = *decoder.context_;
   if (const int code = avcodec_parameters_to_context(&context, &stream); code < 0)
     return corrupt("the video track cannot be read", code);

@@ -15,8 +15,7 @@ constexpr int kBufferBytes = 1 << 16;
 StorageStream::StorageStream(std::unique_ptr<StorageFile> file, Direction direction)
     : file_(std::move(file)) {
   const bool writes = direction != Direction::Read;
-  auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
-  if (buffer == nullptr) throw std::bad_alloc();
+  auto* buffer = static_cast<unsigned char*>(libav::allocated(av_malloc(kBufferBytes)));
   context_ = avio_alloc_context(buffer, kBufferBytes, writes ? 1 : 0, this, writes ? nullptr : &read,
                                 writes ? &write : nullptr, direction == Direction::Pipe ? nullptr : &seek);
   if (context_ == nullptr) {

@@ -52,8 +52,7 @@ Pattern matroska_element(std::uint8_t id, int stated, int value) {
 }  // namespace
 
 void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel& level) {
-  AVMasteringDisplayMetadata* mastering = av_mastering_display_metadata_alloc();
-  HDRCAM_CHECK(mastering != nullptr);
+  AVMasteringDisplayMetadata* mastering = libav::allocated(av_mastering_display_metadata_alloc());
   const std::array<double, 2>* const primaries[] = {&display.red, &display.green, &display.blue};
   for (int c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 2; ++i) mastering->display_primaries[c][i] = chromaticity((*primaries[c])[i]);
@@ -65,8 +64,7 @@ void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel&
       libav::add_side_data(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA, mastering, sizeof *mastering));
 
   std::size_t size = 0;
-  AVContentLightMetadata* light = av_content_light_metadata_alloc(&size);
-  HDRCAM_CHECK(light != nullptr);
+  AVContentLightMetadata* light = libav::allocated(av_content_light_metadata_alloc(&size));
   light->MaxCLL = static_cast<unsigned>(level.most_nits);
   light->MaxFALL = static_cast<unsigned>(level.most_mean_nits);
   HDRCAM_CHECK(libav::add_side_data(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL, light, size));

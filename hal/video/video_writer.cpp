@@ -159,7 +159,7 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
                  fmt::format("the FFmpeg libraries of this machine lack the encoder {}; "
                              "choose another one with --codec",
                              encoder_name(format))};
-  encoder_.reset(avcodec_alloc_context3(codec));
+  encoder_.reset(libav::allocated(avcodec_alloc_context3(codec)));
   AVCodecContext& encoder = *encoder_;
   encoder.width = format.coded_width_px(), encoder.height = format.coded_height_px();
   encoder.pix_fmt = format.bits == 8 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV420P10;
@@ -180,8 +180,8 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
                  fmt::format("{} cannot encode {}x{} pictures of {} bits: {}; choose another --codec",
                              codec->name, encoder.width, encoder.height, format.bits, libav::words(code))};
 
-  frame_.reset(av_frame_alloc());
-  packet_.reset(av_packet_alloc());
+  frame_.reset(libav::allocated(av_frame_alloc()));
+  packet_.reset(libav::allocated(av_packet_alloc()));
   frame_->width = encoder.width, frame_->height = encoder.height, frame_->format = encoder.pix_fmt;
   frame_->color_primaries = encoder.color_primaries, frame_->color_trc = encoder.color_trc;
   frame_->colorspace = encoder.colorspace, frame_->color_range = encoder.color_range;
@@ -192,8 +192,8 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
 
 Result<void> VideoWriter::write_header(const VideoFormat& format) {
   AVFormatContext& muxer = *muxer_;
-  AVStream* stream = avformat_new_stream(&muxer, nullptr);
-  HDRCAM_CHECK(stream != nullptr && avcodec_parameters_from_context(stream->codecpar, encoder_.get()) >= 0);
+  AVStream* stream = libav::allocated(avformat_new_stream(&muxer, nullptr));
+  HDRCAM_CHECK(avcodec_parameters_from_context(stream->codecpar, encoder_.get()) >= 0);
   stream->time_base = format.container == VideoContainer::Y4m ? encoder_->time_base : kMicroseconds;
   stream->avg_frame_rate = encoder_->framerate;
   if (is_mp4(format.container) && format.codec == VideoCodec::Hevc)
