@@ -87,14 +87,14 @@ Path cheapest(std::span<const CycleStep> steps, std::span<const double> log_expo
   return path;
 }
 
-// What is missing along the walk.
-void count(std::span<const CycleStep> steps, int slots, CycleWalk& walk) {
+// Fills in how many frames are missing along the walk, and how many of its steps were measured.
+void count_losses(std::span<const CycleStep> steps, int slots, CycleWalk& walk) {
   walk.lost_before.assign(walk.slots.size(), 0);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const int advance = ((walk.slots[i + 1] - walk.slots[i]) % slots + slots) % slots;
-    int lost = (advance - 1 + slots) % slots;
-    while (lost < steps[i].missing) lost += slots;
-    walk.lost_before[i + 1] = lost;
+    const int fewest = (advance - 1 + slots) % slots;
+    const int beyond = std::max(0, steps[i].missing - fewest);  // that the times tell, in whole cycles
+    walk.lost_before[i + 1] = fewest + (beyond + slots - 1) / slots * slots;
     if (steps[i].kind == StepKind::Measured) ++walk.measured;
   }
 }
@@ -230,7 +230,7 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
   std::vector<double> log_exposures;
   for (const Exposure& exposure : cycle) log_exposures.push_back(log_product(exposure));
   Path best = best_path(steps, log_exposures);
-  count(steps, static_cast<int>(cycle.size()), best.walk);
+  count_losses(steps, static_cast<int>(cycle.size()), best.walk);
   best.walk.mean_residual = steps.empty() ? 0 : best.cost / static_cast<double>(steps.size());
   if (best.walk.mean_residual > kAcceptedResidual || (cycle.size() > 1 && !explains(best, steps)))
     return Error{
