@@ -64,10 +64,8 @@ PixelPacking packing_of(PixelFormat format) {
 
 bool alike_but_for_order(PixelFormat a, PixelFormat b) {
   const PixelPacking of_a = packing_of(a), of_b = packing_of(b);
-  const auto is_bayer = [](const PixelPacking& of) {
-    return of.layout != PixelLayout::Rgb && of.layout != PixelLayout::Mono;
-  };
-  return is_bayer(of_a) && is_bayer(of_b) && of_a.packing == of_b.packing && of_a.bits == of_b.bits;
+  return is_bayer(of_a.layout) && is_bayer(of_b.layout) && of_a.packing == of_b.packing &&
+         of_a.bits == of_b.bits;
 }
 
 std::size_t row_bytes(Packing packing, int width) {
