@@ -49,7 +49,7 @@ Error unplugged() { return {ErrorCode::Unplugged, "the simulated camera was unpl
 
 // The nearest size that can be rendered and packed.
 int near_size(int wanted, int otherwise, int multiple) {
-  const int size = wanted > 0 ? std::clamp(wanted, 16, 4096) : otherwise;
+  const int size = wanted > 0 ? std::clamp(wanted, kLeastSimulated_px, kMostSimulated_px) : otherwise;
   return size / multiple * multiple;
 }
 

@@ -9,6 +9,7 @@
 
 #include "hal/core/parse_number.h"
 #include "hal/core/split_text.h"
+#include "hal/sim/effects/delayed_control.h"
 
 namespace hdrcam {
 namespace {
@@ -30,8 +31,8 @@ Result<void> set_number(T& target, std::string_view key, std::string_view value,
 Result<void> set_size(Simulation& s, std::string_view key, std::string_view value) {
   const auto parts = split_list(value, 'x');
   if (parts.size() != 2) return invalid(key, value, "give width and height, for instance 320x240");
-  TRY(set_number(s.width, key, parts[0], 16, 4096));
-  return set_number(s.height, key, parts[1], 16, 4096);
+  TRY(set_number(s.width, key, parts[0], kLeastSimulated_px, kMostSimulated_px));
+  return set_number(s.height, key, parts[1], kLeastSimulated_px, kMostSimulated_px);
 }
 
 Result<void> set_camera(Simulation& s, std::string_view key, std::string_view value) {
@@ -52,11 +53,12 @@ Result<void> set_response(Simulation& s, std::string_view key, std::string_view 
 
 // "2,1", or "2" for both
 Result<void> set_delay(Simulation& s, std::string_view key, std::string_view value) {
+  constexpr int kMost = DelayedControl<Duration>::kMost - 1;  // frames: one may be late by another
   const auto parts = split_list(value, ',');
   if (parts.empty() || parts.size() > 2)
     return invalid(key, value, "give frames for exposure and gain, for instance 2,1");
-  TRY(set_number(s.control_delay.exposure, key, parts.front(), 0, 6));
-  TRY(set_number(s.control_delay.gain, key, parts.back(), 0, 6));
+  TRY(set_number(s.control_delay.exposure, key, parts.front(), 0, kMost));
+  TRY(set_number(s.control_delay.gain, key, parts.back(), 0, kMost));
   s.plan.switch_on(Effect::ControlDelay, fmt::format("asked for: delay={}", value));
   return {};
 }

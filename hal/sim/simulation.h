@@ -25,6 +25,8 @@
 
 namespace hdrcam {
 
+constexpr int kLeastSimulated_px = 16, kMostSimulated_px = 4096;  // sides of a picture
+
 struct Simulation {
   SceneSettings scene;
   int width = 320, height = 240;  // pixels
