@@ -61,7 +61,7 @@ Result<void> DecodedCodes::take_format(const AVFrame& frame, AVCodecID codec) {
   constexpr std::uint64_t kNoCodes =
       AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_HWACCEL;
   const bool xyz = pixel_format == AV_PIX_FMT_XYZ12LE || pixel_format == AV_PIX_FMT_XYZ12BE;
-  if ((format.flags & kNoCodes) != 0 || xyz || format.comp[0].depth < 8)
+  if ((format.flags & kNoCodes) != 0 || xyz || format.comp[0].depth < 8 || format.comp[0].depth > 16)
     return Error{ErrorCode::Unsupported,
                  fmt::format("has pixels of the format {}; convert it to RGB of 8 to 16 bits", format.name)};
   pixel_format_ = pixel_format;

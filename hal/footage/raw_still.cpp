@@ -176,8 +176,10 @@ bool lacks_parts(std::span<const std::uint8_t> file) {
             reach_beyond(TiffTag::TileOffsets, TiffTag::TileByteCounts));
   };
   if (lacking()) return true;
-  for (const std::uint32_t directory : fields.values(TiffTag::SubIfds)) {
-    fields.enter(directory);
+  constexpr std::size_t kMost = 64;  // LibRaw reads fewer; a damaged file may name any number
+  const std::vector<std::uint32_t> directories = fields.values(TiffTag::SubIfds);
+  for (std::size_t i = 0; i < std::min(kMost, directories.size()); ++i) {
+    fields.enter(directories[i]);
     if (lacking()) return true;
   }
   return false;

@@ -317,7 +317,7 @@ void VideoFile::send(const AVPacket& packet) {
   const bool timed = packet.duration > 0 || track.avg_frame_rate.num <= 0;
   const std::int64_t duration =
       timed ? packet.duration : av_rescale_q(1, av_inv_q(track.avg_frame_rate), track.time_base);
-  if (begin != AV_NOPTS_VALUE) end_ = std::max(end_, begin + duration);
+  if (begin != AV_NOPTS_VALUE) end_ = std::max(end_, av_sat_add64(begin, duration));
   if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0)
     awaits_key_packet_ = true;
   else if ((packet.flags & AV_PKT_FLAG_KEY) != 0)
@@ -407,8 +407,9 @@ Result<bool> VideoFile::next(RawFrame& frame) {
   const AVRational tick = demuxer_->streams[track_]->time_base;
   const std::int64_t start = demuxer_->streams[track_]->start_time;
   if (frame_->best_effort_timestamp != AV_NOPTS_VALUE)
-    frame.facts.timestamp.since_boot = Duration(av_rescale_q(
-        frame_->best_effort_timestamp - (start == AV_NOPTS_VALUE ? 0 : start), tick, {1, 1'000'000'000}));
+    frame.facts.timestamp.since_boot = Duration(
+        av_rescale_q(av_sat_sub64(frame_->best_effort_timestamp, start == AV_NOPTS_VALUE ? 0 : start), tick,
+                     {1, 1'000'000'000}));
   if (const auto stated = exif_exposure(*frame_)) take_exif_exposure(*stated, frame.facts);
   return true;
 }
