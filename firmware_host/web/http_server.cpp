@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -197,7 +198,16 @@ struct HttpCallbacks {
       *upload_size = 0;
       return MHD_YES;
     }
-    return send(connection, arriving->route->answer(arriving->request));
+    return send(connection, answer_to(*arriving));
+  }
+
+  // What a route throws does not pass through the library, which is C, and does not end the run.
+  static HttpAnswer answer_to(const Arriving& arrived) {
+    try {
+      return arrived.route->answer(arrived.request);
+    } catch (const std::exception& failure) {
+      return http_error(500, fmt::format("internal error: {}", failure.what()));
+    }
   }
 
   static MHD_Result add_argument(void* query, MHD_ValueKind, const char* name, const char* value) {

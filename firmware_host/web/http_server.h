@@ -52,7 +52,7 @@ enum class HttpAccess {
 struct HttpRoute {
   std::string path;
   HttpAccess access = HttpAccess::Open;
-  std::function<HttpAnswer(const HttpRequest&)> answer;
+  std::function<HttpAnswer(const HttpRequest&)> answer;  // 500 where it throws
 };
 
 struct HttpLimits {

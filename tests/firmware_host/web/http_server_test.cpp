@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 #include "tests/contracts/expect.h"
@@ -33,6 +34,9 @@ std::unique_ptr<HttpServer> open_server(const HttpLimits& limits = {}) {
                     }});
   routes.push_back({"/act", HttpAccess::Token, [](const HttpRequest& request) {
                       return HttpAnswer{.body = http_body("did " + request.body)};
+                    }});
+  routes.push_back({"/fails", HttpAccess::Open, [](const HttpRequest&) -> HttpAnswer {
+                      throw std::runtime_error("no memory for this answer");
                     }});
   return value_of(HttpServer::open({"127.0.0.1", 0}, kToken, std::move(routes), limits));
 }
@@ -155,6 +159,16 @@ TEST_CASE("a client above the limit of connections waits until one leaves") {
   CHECK_FALSE(third.hears_within(std::chrono::milliseconds(200)));
   first.reset();
   CHECK(third.receive().status == 200);
+}
+
+TEST_CASE("a route that throws costs its client the answer, and nobody else anything") {
+  const auto server = open_server();
+  HttpClient client = client_of(*server);
+  const HttpReply reply = client.get("/fails");
+  CHECK(reply.status == 500);
+  CHECK(reply.body == R"({"error":"internal error: no memory for this answer"})");
+  CHECK(client.get("/hello").body == "hello");
+  CHECK(client_of(*server).get("/hello").body == "hello");
 }
 
 TEST_CASE("a port that is taken and an address of another machine are errors that say so") {
