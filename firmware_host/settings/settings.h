@@ -11,6 +11,7 @@
 #include "capture/frame_matcher.h"
 #include "firmware_host/log_format.h"
 #include "firmware_host/sinks/exr_sequence.h"
+#include "firmware_host/sinks/output_paths.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/camera.h"
 #include "hal/recording/recording.h"
@@ -74,17 +75,16 @@ struct Settings {
     std::map<std::string, std::string> knobs;
   } fit;
   struct Output {
-    // Output path by the name of the sink (sinks/sink_table.h), and that of the scene's snapshot; "" or
-    // missing: not wanted.
-    static constexpr const char* kSnapshot = "snapshot";
-    std::map<std::string, std::string, std::less<>> paths;
+    static constexpr const char* kSnapshot = "snapshot";  // among the paths: that of the saved scene
+    OutputPaths paths;
     ExrLayers layers;
     FrameCompression compression = FrameCompression::Auto;
     std::string white_balance = "none";  // or "camera", or gains "2,1,1.5" (render/white_balance.h)
     std::string http_token;              // of the live view's actions; "": made at the start
     std::string http_takes;              // recordings that its page starts: "takes/%03d.mkv"; "": none
 
-    const std::string& path(std::string_view sink) const;
+    // "" where it is not wanted.
+    const std::string& path(std::string_view sink) const { return path_in(paths, sink); }
   } output;
   VideoOptions video;  // of every output that is a video
   struct Record {

@@ -74,7 +74,7 @@ std::string EarlierFrames::warning() const {
 }
 
 std::vector<EarlierFrames> earlier_frames(Storage& storage, std::span<const SinkKind> kinds,
-                                          const std::map<std::string, std::string, std::less<>>& paths) {
+                                          const OutputPaths& paths) {
   std::vector<EarlierFrames> earlier;
   for (const SinkKind& kind : kinds) {
     const auto path = paths.find(kind.name);

@@ -5,12 +5,12 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "firmware_host/sinks/output_paths.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
 
@@ -51,8 +51,8 @@ class EarlierFrames {
   std::vector<File> files_;  // by path
 };
 
-// Of all outputs of a run that are numbered files. paths: by name of the sink; "" or missing: not wanted.
+// Of all outputs of a run that are numbered files.
 std::vector<EarlierFrames> earlier_frames(Storage& storage, std::span<const SinkKind> kinds,
-                                          const std::map<std::string, std::string, std::less<>>& paths);
+                                          const OutputPaths& paths);
 
 }  // namespace hdrcam

@@ -14,15 +14,8 @@
 namespace hdrcam {
 namespace {
 
-using Paths = std::map<std::string, std::string, std::less<>>;
-
-std::string path_in(const Paths& paths, std::string_view sink) {
-  const auto path = paths.find(sink);
-  return path == paths.end() ? std::string() : path->second;
-}
-
 // The standard output takes the frames and nothing else.
-Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths& paths) {
+Result<void> check_standard_output(std::span<const SinkKind> kinds, const OutputPaths& paths) {
   for (const SinkKind& kind : kinds)
     if (path_in(paths, kind.name) == kStandardOutput && kind.name != sink_name::kFrames)
       return not_to_standard_output(kind.flag);
@@ -39,24 +32,22 @@ FileFacts standing_at(Storage& storage, const SinkKind& kind, const std::string&
 
 }  // namespace
 
-PicturePatterns patterns_of(const Paths& paths) {
-  const std::string frames = path_in(paths, sink_name::kFrames);
+PicturePatterns patterns_of(const OutputPaths& paths) {
+  const std::string& frames = path_in(paths, sink_name::kFrames);
   const bool numbered = FramePattern::is_one(frames);
   return {numbered ? frames : path_in(paths, sink_name::kPreview), path_in(paths, sink_name::kDepth)};
 }
 
-Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
-                              const std::map<std::string, std::string, std::less<>>& paths,
+Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds, const OutputPaths& paths,
                               const SinkRequest& request, RunPace pace) {
   TRY(check_standard_output(kinds, paths));
   SinkSet set;
   for (const SinkKind& kind : kinds) {
-    const auto path = paths.find(kind.name);
-    if (path == paths.end() || path->second.empty()) continue;
-    Open open{.kind = &kind, .path = path->second};
+    Open open{.kind = &kind, .path = path_in(paths, kind.name)};
+    if (open.path.empty()) continue;
     if (kind.target != SinkTarget::Address) open.earlier = standing_at(request.storage, kind, open.path);
     SinkRequest its = request;
-    its.path = path->second;
+    its.path = open.path;
     its.patterns = patterns_of(paths);
     open.sink = TRY(kind.open(its));
     if (kind.pace != SinkPace::Light) {

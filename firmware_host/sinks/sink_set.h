@@ -2,29 +2,28 @@
 // that emit() passes a frame to all of them without waiting. Thread-bound.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "firmware_host/run_pace.h"
+#include "firmware_host/sinks/output_paths.h"
 #include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 
 // Where a run with these paths leaves its pictures: the HDR frames where they are pictures, else the
 // previews.
-PicturePatterns patterns_of(const std::map<std::string, std::string, std::less<>>& paths);
+PicturePatterns patterns_of(const OutputPaths& paths);
 
 // Whether sinks that may leave out frames get one.
 enum class Previews { Written, LeftOut };
 
 class SinkSet {
  public:
-  // kinds: outlive the set. paths: by name of the sink; "" or missing: not wanted. The rest of the request is
-  // the same for all. Errors: Invalid for an unusable path, and those of the disk.
-  static Result<SinkSet> open(std::span<const SinkKind> kinds,
-                              const std::map<std::string, std::string, std::less<>>& paths,
+  // kinds: outlive the set. request: the same for all, but for its path and patterns. Errors: Invalid for an
+  // unusable path, and those of the disk.
+  static Result<SinkSet> open(std::span<const SinkKind> kinds, const OutputPaths& paths,
                               const SinkRequest& request, RunPace pace);
 
   // Errors: the first one of any sink.

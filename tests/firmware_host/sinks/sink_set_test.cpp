@@ -143,7 +143,7 @@ TEST_CASE(
 
 TEST_CASE("an earlier run's file that this run did not replace is not told as one of this run") {
   const std::string folder = sample::scratch_folder("sink_set_earlier");
-  const std::map<std::string, std::string, std::less<>> paths = {
+  const OutputPaths paths = {
       {"frames", folder + "/out.mkv"}, {"preview", folder + "/%06d.png"}, {"colmap", folder + "/model"}};
   REQUIRE(write_whole(posix_storage(), folder + "/out.mkv", {}).ok());
   auto stopped = SinkSet::open(sink_kinds(), paths, kRequest, RunPace::Clip);
