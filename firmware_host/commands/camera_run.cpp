@@ -54,9 +54,7 @@ std::string account_of(CameraSource& camera) {
   std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.work()), proof_of(counters.camera));
   if (camera.work() == LiveWork::Fit)
     text += fmt::format("latency: {:.0f} ms at most\n", to_seconds(counters.longest_latency) * 1e3);
-  for (const std::string& line : {camera.exposures_account(), camera.light_account(),
-                                  camera.trigger_account(), camera.strobe_account()})
-    if (!line.empty()) text += line + "\n";
+  for (const std::string& account : camera.accounts()) text += account + "\n";
   return text;
 }
 

@@ -139,12 +139,19 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.emitted = static_cast<int>(counters.emitted);
   record.dropped = static_cast<int>(counters.dropped());
   record.notes.push_back(proof_of(counters.camera));
-  for (const std::string& account :
-       {exposures_account(), light_account(), trigger_account(), strobe_account()})
-    if (!account.empty()) record.notes.push_back(account);
+  std::ranges::move(accounts(), std::back_inserter(record.notes));
   std::ranges::move(camera_->warnings(), std::back_inserter(record.notes));
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
+}
+
+std::vector<std::string> CameraSource::accounts() const {
+  const CaptureCounters camera = session_->counters().camera;
+  std::vector<std::string> all;
+  for (const std::string& account : {capture_->exposures_account(), light_account(), lines_->sentence(camera),
+                                     lines_->strobe_sentence(camera)})
+    if (!account.empty()) all.push_back(account);
+  return all;
 }
 
 std::string CameraSource::light_account() const {
@@ -153,10 +160,6 @@ std::string CameraSource::light_account() const {
   if (changes == 0) return "the light did not change the cycle";
   return fmt::format("the light changed the cycle {}; last to {}", counted(changes, "time"),
                      describe(capture_->schedule().cycle()));
-}
-
-std::string CameraSource::strobe_account() const {
-  return lines_->strobe_sentence(session_->counters().camera);
 }
 
 std::string CameraSource::takes_account() const {

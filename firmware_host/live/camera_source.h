@@ -50,15 +50,9 @@ class CameraSource : public FrameSource, public RunControl {
   CaptureStage& capture() { return *capture_; }
   // What the user should know at the start.
   std::vector<std::string> warnings() const;
-  // Why no frame has an exposure; "" where some have. The session has ended.
-  std::string exposures_account() const { return capture_->exposures_account(); }
-  // How the cycle followed the light; "" where it does not. The session has ended.
-  std::string light_account() const;
-  // The account of the trigger line so far, as a sentence; "" without one.
-  std::string trigger_account() const { return lines_->sentence(session_->counters().camera); }
-  // That the strobe line has no pulse for any frame so far, or for many one of another width; "" where all
-  // fit, or there is none.
-  std::string strobe_account() const;
+  // Once the session has ended, a sentence each where it applies: why no frame has an exposure, how the cycle
+  // followed the light, how a trigger line was driven, and that the pulses of a strobe line do not fit.
+  std::vector<std::string> accounts() const;
   // What the camera says of its frames. The session has ended.
   std::vector<std::string> camera_warnings() const { return camera_->warnings(); }
   // The recordings that a person started, each with its frames so far, a line each; "" where none has any.
@@ -74,6 +68,8 @@ class CameraSource : public FrameSource, public RunControl {
         adapt_(settings.schedule.adapt),
         gain_(settings.schedule.gain),
         recording_(settings.record.file) {}
+
+  std::string light_account() const;  // "" where the cycle does not follow it
 
   const std::atomic<bool>& stop_;
   std::unique_ptr<CameraLines> lines_;

@@ -284,7 +284,7 @@ TEST_CASE("a strobe line that has a pulse for no frame is told of, with what to 
     require_done(source->finish(record));
     const bool marks = delay == "0us";
     CHECK((source->session().counters().camera.strobed > 0) == marks);
-    CHECK(source->strobe_account().empty() == marks);
+    CHECK(source->accounts().empty() == marks);
     REQUIRE(record.notes.size() == (marks ? 1 : 2));
     if (!marks) CHECK_THAT(record.notes[1], Catch::Contains("'sim'") && Catch::Contains("--strobe-delay"));
   }
