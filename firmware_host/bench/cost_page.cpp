@@ -24,8 +24,7 @@ std::vector<PointCost> by_time(std::vector<PointCost> points) {
   return points;
 }
 
-Json or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
+// A score that is not finite becomes null in the text.
 Json json_of(const PointCost& cost) {
   return {{"point", cost.point},
           {"group", cost.group},
@@ -33,9 +32,9 @@ Json json_of(const PointCost& cost) {
           {"frames", cost.frames},
           {"ms_per_frame", cost.mean_ms},
           {"p95_ms", cost.p95_ms},
-          {"psnr_mu", or_null(cost.psnr_mu_db)},
-          {"worst_psnr_mu", or_null(cost.worst_psnr_mu_db)},
-          {"flicker", or_null(cost.flicker_stops)}};
+          {"psnr_mu", cost.psnr_mu_db},
+          {"worst_psnr_mu", cost.worst_psnr_mu_db},
+          {"flicker", cost.flicker_stops}};
 }
 
 std::vector<std::string> groups_of(std::span<const PointCost> points) {
