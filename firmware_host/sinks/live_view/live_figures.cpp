@@ -45,7 +45,7 @@ double seconds_between(EmissionFigures::Clock::time_point from, EmissionFigures:
   return std::chrono::duration<double>(to - from).count();
 }
 
-// One family of metrics: its help and type, then its samples.
+// Prometheus' text format: of each family of metrics its help and type, then its samples.
 class Exposition {
  public:
   void family(std::string_view name, std::string_view type, std::string_view help) {

@@ -10,9 +10,9 @@
 
 namespace hdrcam {
 
-// Where the run is, as a page or a monitor sees it; pointers may be null.
+// Where the run is, as a page or a monitor sees it.
 struct LiveFigures {
-  const ShownFrame* frame = nullptr;
+  const ShownFrame* frame = nullptr;  // the newest; null before the first
   EmissionFigures emission;
   std::vector<NamedValue> counters = {};  // of the camera (RunControl), empty in a replay
   std::string recording = {};             // the file that is open
