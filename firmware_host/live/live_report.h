@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "firmware_host/live/live_session.h"
-#include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/run_record.h"
+#include "firmware_host/status_line.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {

@@ -1,20 +1,15 @@
 #include "firmware_host/run/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "firmware_host/log_format.h"
 #include "firmware_host/run/frame_source.h"
-#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr auto kTerminalInterval = std::chrono::milliseconds(50);
-constexpr auto kLogInterval = std::chrono::seconds(1);
 constexpr double kRecent = 0.1;  // weight of the newest frame in ms/frame
 
 }  // namespace
@@ -36,36 +31,6 @@ std::string progress_line(const ProgressState& state) {
     line += fmt::format("  ETA {:02}:{:02}", seconds / 60, seconds % 60);
   }
   return line;
-}
-
-StatusLine::StatusLine(std::FILE* stream)
-    : stream_(stream), terminal_(log_format() == LogFormat::Text && isatty(fileno(stream)) == 1) {}
-
-StatusLine::~StatusLine() {
-  if (terminal_ && shown_) std::fputs("\n", stream_);
-}
-
-bool StatusLine::due(Clock::time_point now) const {
-  return !shown_ || now - *shown_ >= (terminal_ ? Clock::duration(kTerminalInterval) : kLogInterval);
-}
-
-void StatusLine::show(const std::string& words, Clock::time_point now) {
-  shown_ = now;
-  if (log_format() == LogFormat::Json) {
-    std::fputs(json_log_line(LogLevel::Status, words).c_str(), stream_);
-  } else if (!terminal_) {
-    std::fputs((words + "\n").c_str(), stream_);
-  } else {
-    // No wider than the terminal, where a line that wraps would stay; blanks overwrite the rest of a longer
-    // one, which the terminal has cut where it became narrower.
-    const auto columns = static_cast<std::size_t>(std::max(0, columns_of(stream_)));
-    const std::size_t most = columns > 1 ? columns - 1 : std::string::npos;
-    const std::string shown = words.substr(0, most);
-    const std::size_t width = std::min(std::max(shown_width_, shown.size()), most);
-    std::fputs(fmt::format("\r{:<{}}", shown, width).c_str(), stream_);
-    shown_width_ = shown.size();
-  }
-  std::fflush(stream_);
 }
 
 void Progress::frame_done(double ms, std::optional<double> loss, Clock::time_point now) {

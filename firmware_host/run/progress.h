@@ -1,15 +1,15 @@
-// The progress of a run, for the terminal. On a terminal one line is rewritten:
+// The progress of a run in one line (status_line.h):
 //   frame 12/48  61 ms/frame  loss 0.021  ETA 00:03
-// elsewhere (a log file, a pipe) the same text becomes plain lines, at most one per second. Thread-bound.
+// Thread-bound.
 #pragma once
 
-#include <chrono>
 #include <cstdio>
 #include <future>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "firmware_host/status_line.h"
 #include "hal/core/result.h"
 
 namespace hdrcam {
@@ -28,28 +28,6 @@ struct ProgressState {
 
 // The text, without a line end.
 std::string progress_line(const ProgressState& state);
-
-// One changing line of text: rewritten on a terminal, printed line by line elsewhere.
-class StatusLine {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  // stream: usually stderr; the constructor checks whether it is a terminal.
-  explicit StatusLine(std::FILE* stream);
-  ~StatusLine();  // ends the rewritten line, so that later output starts on a new line
-  StatusLine(const StatusLine&) = delete;
-  StatusLine& operator=(const StatusLine&) = delete;
-
-  // Whether an update is due: every 50 ms on a terminal, every second elsewhere.
-  bool due(Clock::time_point now = Clock::now()) const;
-  void show(const std::string& words, Clock::time_point now = Clock::now());
-
- private:
-  std::FILE* const stream_;
-  const bool terminal_;
-  std::optional<Clock::time_point> shown_;
-  std::size_t shown_width_ = 0;
-};
 
 class Progress {
  public:

@@ -1,9 +1,5 @@
 #include "firmware_host/run/progress.h"
 
-#include <pty.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <memory>
 #include <string>
@@ -40,28 +36,6 @@ TEST_CASE("the line says how far, how fast, how well and how long still") {
   CHECK(progress_line({12, std::nullopt, 61.2, std::nullopt}) == "frame 12  61 ms/frame");
   CHECK(progress_line({0, 6000, 50, std::nullopt}) == "frame 0/6000  50 ms/frame  ETA 05:00");
   CHECK(progress_line({7, 5, 50, std::nullopt}) == "frame 7/5  50 ms/frame  ETA 00:00");
-}
-
-TEST_CASE("on a terminal the line is no wider than the terminal, and one line stays one line") {
-  int master = -1, slave = -1;
-  winsize size{24, 20, 0, 0};
-  REQUIRE(openpty(&master, &slave, nullptr, nullptr, &size) == 0);
-  {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> terminal(fdopen(slave, "w"), &std::fclose);
-    StatusLine line(terminal.get());
-    line.show("frame 12/48  61 ms/frame  loss 0.021  ETA 00:03");
-    line.show("short");
-    line.show("frame 13/48  61 ms/frame");
-    size.ws_col = 10;
-    REQUIRE(ioctl(master, TIOCSWINSZ, &size) == 0);
-    line.show("narrower");
-  }
-  std::string shown;
-  char part[64];
-  for (ssize_t bytes = 0; (bytes = read(master, part, sizeof part)) > 0;)  // ends with EIO: nobody writes
-    shown.append(part, static_cast<std::size_t>(bytes));
-  close(master);
-  CHECK(shown == "\rframe 12/48  61 ms/\rshort              \rframe 13/48  61 ms/\rnarrower \r\n");
 }
 
 TEST_CASE("away from a terminal there is one plain line a second and one for the last frame") {
