@@ -95,7 +95,7 @@ bool is_numbered(const std::string& path) {
   return name.size() - (name.find_last_not_of("0123456789") + 1) >= kFewestDigits;
 }
 
-Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind kind) {
+Result<void> check_earlier_work_stays(Storage& storage, const Place& place, OutputKind kind) {
   if (kind == OutputKind::Picture && place.facts.kind == FileKind::Regular &&
       is_numbered(place.facts.real_path))
     return Error{ErrorCode::Exists,
@@ -133,7 +133,7 @@ bool describes_work(const std::string& path) {
 
 // A page may replace a page, a picture of the run such a picture, a scene a scene, and a document a document,
 // but never a frame, footage, a recording or what describes them that was named by mistake.
-Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
+Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
   const std::string& path = place.facts.real_path;
@@ -151,7 +151,7 @@ Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
 }
 
 // By its name a later run knows a saved scene, and lets no page replace it; a pipe or a device may have any.
-Result<void> is_named_as_scene(const Place& place, OutputKind kind) {
+Result<void> check_named_as_scene(const Place& place, OutputKind kind) {
   if (kind != OutputKind::Scene || place.facts.kind == FileKind::Other) return {};
   if (lower_extension(place.path) == kSceneExtension) return {};
   return Error{ErrorCode::Invalid, fmt::format("{} '{}' is not the name of a saved scene; name it scene{}",
@@ -177,9 +177,9 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
       if (meet(place, other))
         return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
                                                      place.words, place.path, other.words, other.path)};
-    TRY(is_no_work_of_another_kind(place, output.kind));
-    TRY(is_named_as_scene(place, output.kind));
-    if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(storage, place, output.kind));
+    TRY(check_no_other_work_is_replaced(place, output.kind));
+    TRY(check_named_as_scene(place, output.kind));
+    if (overwrite == Overwrite::Refuse) TRY(check_earlier_work_stays(storage, place, output.kind));
     taken.push_back(std::move(place));
   }
   return {};
