@@ -61,12 +61,12 @@ class Run {
   void open_governor();
   Result<void> take_frames();
   Result<void> conclude(Result<void> worked, Stopwatch wall);
+  Result<void> save_scene();
 
   Result<void> deliver(HdrFrame& hdr, const FrameEstimate& estimate, const FrameRecord& made);
   Result<void> give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, FrameRecord& kept);
   void tell_response();
   void ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept);
-  Result<void> save_scene();
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made);
 
   const SensorModel& sensor() const { return pipeline_.online().sensor(); }
@@ -222,16 +222,6 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
   return {};
 }
 
-Result<void> Run::save_scene() {
-  if (!scene_ || scene_->frames() == 0) return {};
-  const std::string& path = plan_.settings.output.path(Settings::Output::kSnapshot);
-  const std::string frames = counted(scene_->frames(), "frame");
-  TRY(scene_->save(camera_, sensor().camera_response()));
-  record_.notes.push_back(fmt::format("snapshot: the scene of the last {}", frames));
-  saved_ = fmt::format("{}: the scene of the last {}\n", path, frames);
-  return {};
-}
-
 // Once it is estimated, and each time it is learned anew. A source that took one that no frame showed for the
 // camera's would find that right exposures contradict the pictures.
 void Run::tell_response() {
@@ -279,6 +269,16 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   record_.sinks = sinks_.times();
   if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
   return first_cause(std::move(worked), ended);
+}
+
+Result<void> Run::save_scene() {
+  if (!scene_ || scene_->frames() == 0) return {};
+  const std::string& path = plan_.settings.output.path(Settings::Output::kSnapshot);
+  const std::string frames = counted(scene_->frames(), "frame");
+  TRY(scene_->save(camera_, sensor().camera_response()));
+  record_.notes.push_back(fmt::format("snapshot: the scene of the last {}", frames));
+  saved_ = fmt::format("{}: the scene of the last {}\n", path, frames);
+  return {};
 }
 
 // What the settings rule out is found before the run is built. where: as of Run::to_end.
