@@ -123,6 +123,11 @@ class LiveSession {
     std::uint64_t sequence = 0;
     Instant at;
   };
+  struct WantedCycle {
+    std::vector<Exposure> exposures;
+    std::promise<Result<void>> done;
+  };
+  enum class StartedBy { Run, Person };
 
   void capture_frames(const std::atomic<bool>& stop);
   Result<void> capture_one();
@@ -134,7 +139,6 @@ class LiveSession {
   void count_shed(int frames);
   void take_feedback();
   void take_cycle();
-  enum class StartedBy { Run, Person };
   std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording, StartedBy started_by);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
 
@@ -161,10 +165,6 @@ class LiveSession {
   std::optional<Instant> first_arrival_;
   std::optional<LearnedResponse> learned_;
   std::optional<std::vector<Exposure>> followed_;  // the cycle that the fit asked for last
-  struct WantedCycle {
-    std::vector<Exposure> exposures;
-    std::promise<Result<void>> done;
-  };
   std::optional<WantedCycle> wanted_cycle_;
   std::shared_ptr<Recorder> recorder_, completing_;  // completing_: takes no more frames
 };
