@@ -170,11 +170,13 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
 }
 
 // The times that files state go on from one to the next, or the second take would be shown in no time. Files
-// that cannot be read are left to the one who needs their pictures.
-Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> files) {
+// that cannot be read are left to the one who needs their pictures, as those behind a stop are.
+Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> files,
+                            const std::atomic<bool>& stop) {
   std::optional<double> last_s;
   const NumberedFile* last = nullptr;
   for (const NumberedFile& file : files) {
+    if (stop) break;
     const auto attributes = read_exr_attributes(storage, file.path);
     if (!attributes) continue;
     const std::optional<double> time_s = run_facts_of(attributes.value()).since_start_s;
@@ -284,7 +286,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
   TRY(flags.kept.check(around.storage, {},
                        {{"--output", output == kStandardOutput ? "" : output, OutputKind::Recording}}));
-  TRY(check_one_take(around.storage, files));
+  TRY(check_one_take(around.storage, files, around.stop));
 
   EncodedFiles video(settings, white_origin_of(*flags.settings, settings.video, output), output,
                      files.front().sequence, around.storage);

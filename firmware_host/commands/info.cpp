@@ -26,7 +26,7 @@ Result<void> show_snapshot(Surroundings& around, const InfoOptions& options) {
 
 Result<void> show(Surroundings& around, const InfoOptions& options) {
   if (TRY(is_scene_snapshot(around.storage, options.recording))) return show_snapshot(around, options);
-  const auto summary = TRY(summarize(around.storage, options.recording));
+  const auto summary = TRY(summarize(around.storage, options.recording, around.stop));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
   if (!summary.behind.empty()) remark("warning: {}\n", summary.behind);
   if (summary.end) {

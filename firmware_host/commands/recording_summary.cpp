@@ -95,7 +95,7 @@ std::string exposures_text(const RecordingSummary& summary) {
 
 }  // namespace
 
-Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
+Result<RecordingSummary> summarize(Storage& storage, const std::string& path, const std::atomic<bool>& stop) {
   auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
   RecordingSummary summary;
   summary.camera = reader->camera();
@@ -106,6 +106,10 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   std::optional<FrameFacts> before;
   std::optional<Instant> start;
   for (;;) {
+    if (stop)
+      return Error{ErrorCode::Interrupted,
+                   fmt::format("stopped after {} of '{}'; what comes behind is not known",
+                               counted(summary.frames, "frame"), path)};
     auto facts = reader->next_facts();
     if (!facts) summary.end = facts.error();
     if (!facts || !facts.value()) break;

@@ -2,6 +2,7 @@
 // JSON. The pixels are checked by their checksums but not decoded. Reentrant.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -33,8 +34,9 @@ struct RecordingSummary {
   std::optional<Error> end;  // why it ended early: Truncated; none where its end was reached
 };
 
-// Errors: those of open_recording. A truncated or damaged recording is not an error.
-Result<RecordingSummary> summarize(Storage& storage, const std::string& path);
+// Errors: those of open_recording; Interrupted once `stop` is set. A truncated or damaged recording is not an
+// error.
+Result<RecordingSummary> summarize(Storage& storage, const std::string& path, const std::atomic<bool>& stop);
 
 std::string as_table(const RecordingSummary& summary, const std::string& path);
 std::string as_json(const RecordingSummary& summary, const std::string& path);

@@ -202,7 +202,7 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
 }
 
 Result<void> render_recording(const RenderFlags& flags, const Settings& settings, Surroundings& around) {
-  const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
+  const FilmedRecording recording = TRY(look_through(around.storage, flags.recording, around.stop));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_film(flags, plan, settings));
   const std::span<const SinkKind> sinks = sinks_of(plan);

@@ -153,13 +153,15 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
 
 }  // namespace
 
-Result<FilmedRecording> look_through(Storage& storage, const std::string& path) {
+Result<FilmedRecording> look_through(Storage& storage, const std::string& path,
+                                     const std::atomic<bool>& stop) {
   const auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
   const CameraFacts& camera = reader->camera();
   FilmedRecording recording{
       .framerate_hz = camera.framerate_hz, .width = camera.width, .height = camera.height};
   bool any = false;
   for (;;) {
+    if (stop) return Error{ErrorCode::Interrupted, "stopped before the first frame of the film"};
     auto facts = reader->next_facts();
     if (!facts && facts.error().code == ErrorCode::Truncated && any) return recording;
     if (!facts) return facts.error();

@@ -4,6 +4,7 @@
 // those of the film. Plain values, reentrant.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 
@@ -27,8 +28,10 @@ struct FilmedRecording {
 
   bool is_snapshot() const { return kind != FilmedKind::Recording; }
 };
-// Errors: those of open_recording. A damaged recording counts as far as it can be read.
-Result<FilmedRecording> look_through(Storage& storage, const std::string& path);
+// Errors: those of open_recording; Interrupted once `stop` is set. A damaged recording counts as far as it
+// can be read.
+Result<FilmedRecording> look_through(Storage& storage, const std::string& path,
+                                     const std::atomic<bool>& stop);
 
 // What the user asks of a film, in the words of the flags; empty texts and zeros: not given.
 struct FilmOptions {

@@ -65,6 +65,7 @@ class StoppedWhileReading : public ForwardingStorage {
     return ForwardingStorage::open(path);
   }
   const std::atomic<bool>& stop() const { return stop_; }
+  int times() const { return times_; }
 
  private:
   const std::string path_;
@@ -139,9 +140,10 @@ TEST_CASE("a video that is stopped holds the frames before it, and encode says h
   CHECK_THAT(stopped.err, Contains("stopped after 2 of 3 frames; they are complete"));
   CHECK(test::decoded_video(path).frames.size() == 2);
 
-  const RanHere at_once =
-      ran_here({"encode", out + "/%06d.exr", "-o", out + "/y.mp4"}, posix_storage(), true);
+  StoppedWhileReading unread(out + "/000002.exr");
+  const RanHere at_once = ran_here({"encode", out + "/%06d.exr", "-o", out + "/y.mp4"}, unread, true);
   CHECK(at_once.exit_code == kExitInterrupted);
+  CHECK(unread.times() == 0);
   CHECK_THAT(at_once.err, Contains("stopped before the first frame"));
   CHECK_FALSE(std::filesystem::exists(out + "/y.mp4"));
 }

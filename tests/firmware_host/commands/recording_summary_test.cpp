@@ -1,6 +1,7 @@
 // What `info` says of a recording, as a table and as JSON.
 #include "firmware_host/commands/recording_summary.h"
 
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -14,12 +15,18 @@
 using namespace hdrcam;
 using test::ran_here;
 
+namespace {
+
+const std::atomic<bool> kNeverStops{false};
+
+}  // namespace
+
 TEST_CASE("names in a recording cannot move the cursor of a terminal") {
   const std::string path = sample::scratch_folder("escape") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
   camera.name = "\x1b[2Jgone\a";
   REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 3, 2)).ok());
-  const std::string table = as_table(summarize(posix_storage(), path).value(), path);
+  const std::string table = as_table(summarize(posix_storage(), path, kNeverStops).value(), path);
   CHECK(table.find('\x1b') == std::string::npos);
   CHECK(table.find("\\u001B[2Jgone\\u0007") != std::string::npos);
 }
@@ -38,7 +45,7 @@ TEST_CASE(
     facts.exposure_source = ExposureSource::Estimated, facts.verdict = Verdict::Estimated;
   }
   REQUIRE(sample::record(posix_storage(), path, camera, frames, RecordingCodec::Ffv1).ok());
-  const auto summary = summarize(posix_storage(), path);
+  const auto summary = summarize(posix_storage(), path, kNeverStops);
   REQUIRE(summary.ok());
   const std::string table = as_table(summary.value(), path);
   for (const char* words :
@@ -65,7 +72,7 @@ TEST_CASE("info calls exposures with a gain products, and those without one time
       facts.analogue_gain = gain, facts.digital_gain = 1;
     }
     REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
-    const auto summary = summarize(posix_storage(), path);
+    const auto summary = summarize(posix_storage(), path, kNeverStops);
     REQUIRE(summary.ok());
     const std::string table = as_table(summary.value(), path);
     const bool times = gain == 1;
@@ -85,7 +92,7 @@ TEST_CASE("info shows the first black level that a frame states, though the firs
   frames[1].facts.black_level = BlackLevel::of_code(64, 10);
   frames[2].facts.black_level = BlackLevel::of_code(80, 10);
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
-  const auto summary = summarize(posix_storage(), path);
+  const auto summary = summarize(posix_storage(), path, kNeverStops);
   REQUIRE(summary.ok());
   const std::string table = as_table(summary.value(), path);
   INFO(table);
@@ -105,7 +112,7 @@ TEST_CASE("info counts what is there and what is missing") {
     facts.exposure_source = ExposureSource::Declared;
   }
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
-  const auto summary = summarize(posix_storage(), path);
+  const auto summary = summarize(posix_storage(), path, kNeverStops);
   REQUIRE(summary.ok());
   const RecordingSummary& info = summary.value();
   CHECK(info.frames == 12);
@@ -131,10 +138,19 @@ TEST_CASE("info counts what is there and what is missing") {
   CHECK(ran_here({"info", "--json", path}).exit_code == kExitOk);
 
   FaultyStorage disk(posix_storage(), {.cut_at_bytes = info.bytes / 2});
-  const auto cut = summarize(disk, path);
+  const auto cut = summarize(disk, path, kNeverStops);
   REQUIRE(cut.ok());
   REQUIRE(cut.value().end);
   CHECK(cut.value().end->code == ErrorCode::Truncated);
   CHECK(cut.value().frames < 12);
   CHECK(ran_here({"info", path + ".none"}).exit_code == exit_code_of(ErrorCode::NotFound));
+}
+
+TEST_CASE("info that is told to stop ends before it has read all, and says so") {
+  const std::string path = sample::scratch_folder("info_stopped") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 3, 2)).ok());
+  const test::RanHere stopped = ran_here({"info", path}, posix_storage(), true);
+  CHECK(stopped.exit_code == kExitInterrupted);
+  CHECK(stopped.err.find("stopped after 0 frames of '" + path + "'") != std::string::npos);
 }

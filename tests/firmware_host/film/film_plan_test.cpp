@@ -84,10 +84,13 @@ TEST_CASE("the times of a film count from the time stamp of the recording's firs
   auto writer = create_recording(posix_storage(), path, scene.camera()).value();
   for (const int frame : {6, 9, 12}) REQUIRE(writer->append(scene.frame(frame)).ok());
   REQUIRE(writer->finish().ok());
-  const FilmedRecording recording = look_through(posix_storage(), path).value();
+  std::atomic<bool> stop{false};
+  const FilmedRecording recording = look_through(posix_storage(), path, stop).value();
   CHECK(recording.first.seconds() == Approx(0.2));
   CHECK(recording.duration_s == Approx(0.2));
   CHECK(planned({.time = "0.1"}, recording).value().first == recording.first);
+  stop = true;  // a long recording takes minutes
+  CHECK(sample::error_of(look_through(posix_storage(), path, stop)).code == ErrorCode::Interrupted);
 }
 
 TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]") {
