@@ -40,10 +40,18 @@ struct ExportOptions {
   std::string pictures() const { return fmt::format("{}/{}/%04d.png", folder, ImageSequence::kPictures); }
 };
 
-// Whether the recording states poses, and the lens that they need.
-Result<void> check_poses(Storage& storage, const ExportOptions& options) {
-  const auto reader = TRY(open_recording(storage, options.recording, options.damage()));
+Error stopped_after(int frames) {
+  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
+  return {ErrorCode::Interrupted,
+          fmt::format("stopped after {}; their pictures are complete, but the folder has no clip.json",
+                      counted(frames, "frame"))};
+}
+
+// Whether the recording states poses, and the lens that they need. A search in vain reads all of it.
+Result<void> check_poses(const ExportOptions& options, Surroundings& around) {
+  const auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   for (;;) {
+    if (around.stop) return stopped_after(0);
     auto facts = reader->next_facts();
     if (!facts && !options.is_end(facts.error())) return facts.error();
     if (!facts || !facts.value())
@@ -101,13 +109,6 @@ struct ExportedFrames {
   PosedClip posed;  // empty where no poses are asked for
 };
 
-Error stopped_after(int frames) {
-  if (frames == 0) return {ErrorCode::Interrupted, "stopped before the first frame"};
-  return {ErrorCode::Interrupted,
-          fmt::format("stopped after {}; their pictures are complete, but the folder has no clip.json",
-                      counted(frames, "frame"))};
-}
-
 Result<ExportedFrames> copy_frames(const ExportOptions& options, RecordingReader& from,
                                    ImageSequenceWriter& to, const std::atomic<bool>& stop) {
   ExportedFrames written;
@@ -159,7 +160,7 @@ Result<void> check_folder_name(Storage& storage, const ExportOptions& options) {
 Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
   TRY(check_folder_name(around.storage, options));
   TRY(check_no_snapshot(around.storage, options.recording));
-  if (options.with_poses()) TRY(check_poses(around.storage, options));
+  if (options.with_poses()) TRY(check_poses(options, around));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   TRY(admit_copy(settings, reader->camera(), {CopyKind::Export}));
   TRY(check_files(around.storage, options));

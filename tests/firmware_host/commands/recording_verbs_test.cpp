@@ -237,6 +237,9 @@ TEST_CASE("export does not call a recording that it cannot read one without pose
     CHECK(none.code == ErrorCode::Invalid);
     CHECK(none.message.find("states no poses") != std::string::npos);
   }
+  const auto stopped =
+      hdrcam_verb("export " + path + " -o " + folder + "/out --transforms", posix_storage(), true);
+  CHECK(sample::error_of(stopped).code == ErrorCode::Interrupted);
   CHECK_FALSE(std::filesystem::exists(folder + "/out"));
 
   const std::string spaced = folder + "/my walk.mkv";
