@@ -52,7 +52,7 @@ Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& setting
 std::string account_of(CameraSource& camera) {
   const LiveCounters counters = camera.session().counters();
   std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.work()), proof_of(counters.camera));
-  if (camera.work() == LiveWork::Fit)
+  if (counters.emitted > 0)
     text += fmt::format("latency: {:.0f} ms at most\n", to_seconds(counters.longest_latency) * 1e3);
   for (const std::string& account : camera.accounts()) text += account + "\n";
   return text;

@@ -144,6 +144,13 @@ TEST_CASE("^C before there are frames enough for an HDR frame is no failure eith
   }
 }
 
+TEST_CASE("a run without an HDR frame tells no latency") {
+  const test::Ran run = test::ran({"live", "--camera", "sim:still?size=64x48", "--frames", "1"});
+  INFO(run.output);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::TooShort));
+  CHECK_THAT(run.output, Catch::Contains("captured 1 = emitted 0") && !Catch::Contains("latency: "));
+}
+
 TEST_CASE("a time limit before the first frame is a failure that a script can see") {
   const std::string folder = sample::scratch_folder("record_too_short"), copy = folder + "/copy.mkv";
   const RanHere run = ran_here({"record", "--camera", "replay:" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv",
