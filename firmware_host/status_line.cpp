@@ -19,9 +19,7 @@ constexpr auto kLogInterval = std::chrono::seconds(1);
 StatusLine::StatusLine(std::FILE* stream)
     : stream_(stream), terminal_(log_format() == LogFormat::Text && isatty(fileno(stream)) == 1) {}
 
-StatusLine::~StatusLine() {
-  if (terminal_ && shown_) std::fputs("\n", stream_);
-}
+StatusLine::~StatusLine() { end_open_line(stream_); }
 
 bool StatusLine::due(Clock::time_point now) const {
   return !shown_ || now - *shown_ >= (terminal_ ? Clock::duration(kTerminalInterval) : kLogInterval);
@@ -42,6 +40,7 @@ void StatusLine::show(const std::string& words, Clock::time_point now) {
     const std::size_t width = std::min(std::max(shown_width_, shown.size()), most);
     std::fputs(fmt::format("\r{:<{}}", shown, width).c_str(), stream_);
     shown_width_ = shown.size();
+    leave_line_open(stream_);
   }
   std::fflush(stream_);
 }

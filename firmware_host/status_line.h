@@ -1,5 +1,6 @@
 // One changing line of text on a stream: rewritten on a terminal, printed line by line elsewhere (a log file,
-// a pipe), at most one per second. Thread-bound.
+// a pipe), at most one per second. What is written meanwhile stands on lines of its own (terminal.h).
+// Thread-bound.
 #pragma once
 
 #include <chrono>
@@ -16,7 +17,7 @@ class StatusLine {
 
   // stream: usually stderr; the constructor checks whether it is a terminal.
   explicit StatusLine(std::FILE* stream);
-  ~StatusLine();  // ends the rewritten line, so that later output starts on a new line
+  ~StatusLine();  // ends the rewritten line
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 

@@ -28,6 +28,11 @@ void remark(fmt::format_string<Args...> form, Args&&... args) {
   write_remark(fmt::format(form, std::forward<Args>(args)...));
 }
 
+// A line on a terminal that is rewritten has no end (status_line.h): the next result or remark ends it first,
+// and begins on a line of its own.
+void leave_line_open(std::FILE* stream);
+void end_open_line(std::FILE* stream);  // where nothing has ended it meanwhile
+
 // errno of the first result that could not be written since the last call, 0 for none.
 int lost_results();
 
