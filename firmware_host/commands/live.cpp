@@ -86,16 +86,16 @@ Result<void> make_room_for_takes(const Settings::Output& output, Storage& storag
 }
 
 // Everything that can be refused before a camera is opened.
-Result<void> check_live(const LiveFlags& flags, const Settings& settings, Storage& storage) {
+Result<void> check_live(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
   if (is_replayed(settings.camera.id))
-    TRY(check_recorded_poses(storage, replayed_file(settings.camera.id), settings));
+    TRY(check_recorded_poses(replayed_file(settings.camera.id), settings, around));
   else
     TRY(check_tracked_poses(settings, "a camera states none"));
-  TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, storage));
+  TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
   return is_read_as_fast_as_asked(settings.camera) ? Result<void>()
-                                                   : make_room_for_takes(settings.output, storage);
+                                                   : make_room_for_takes(settings.output, around.storage);
 }
 
 // What became of the frames, and what to do where some were lost on their way.
@@ -121,7 +121,7 @@ bool is_stopped_at_once(CameraSource& camera, const Result<void>& ended) {
 
 Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& around) {
   const Settings settings = TRY(started_settings(*flags.settings, asked));
-  TRY(check_live(flags, settings, around.storage));
+  TRY(check_live(flags, settings, around));
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
   const auto camera = TRY(open_camera_source(settings, flags.limits.options(LiveWork::Fit), trace, around));

@@ -38,19 +38,20 @@ bool writes_outputs(const Settings::Output& output) {
   return std::ranges::any_of(output.paths, [](const auto& sink) { return !sink.second.empty(); });
 }
 
-Result<void> check_recorded_poses(Storage& storage, const std::string& recording, const Settings& settings) {
+Result<void> check_recorded_poses(const std::string& recording, const Settings& settings,
+                                  Surroundings& around) {
   if (!needs_of(settings.output).poses) return {};
   const std::string name = fmt::format("'{}'", recording);
   const bool tracks = tracks_poses(settings);
   if (options_of(settings, FieldUse::Fills).knobs.pose != PoseKind::Given)
     return check_tracked_poses(settings, "--set pose takes none of " + name);
-  const auto reader = open_recording(storage, recording, Damage::IsSkipped);
+  const auto reader = open_recording(around.storage, recording, Damage::IsSkipped);
   if (!reader) return {};  // why it does not open is the run's to tell
   const bool has_lens = reader.value()->camera().intrinsics.has_value();
   if (has_lens && tracks) return {};
   for (;;) {
     const auto next = reader.value()->next_facts();
-    if (!next) return {};  // as is what ends it
+    if (!next || around.stop) return {};  // as is what ends it, ^C too
     if (!next.value()) return check_tracked_poses(settings, name + " states none");
     const FrameFacts& facts = *next.value();
     if (is_kept_out(facts)) continue;

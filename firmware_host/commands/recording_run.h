@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_host/commands/command.h"
 #include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
@@ -29,7 +30,8 @@ bool writes_outputs(const Settings::Output& output);
 
 // Before an output's folder is made and the fit begins: poses that are to be written are there or tracked,
 // and given ones need their lens. Errors: those of check_lens and check_tracked_poses.
-Result<void> check_recorded_poses(Storage& storage, const std::string& recording, const Settings& settings);
+Result<void> check_recorded_poses(const std::string& recording, const Settings& settings,
+                                  Surroundings& around);
 
 // Errors: Unsupported where the pictures need more memory than the settings allow.
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use = FieldUse::Fills);

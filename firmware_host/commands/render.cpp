@@ -206,7 +206,7 @@ Result<void> render_recording(const RenderFlags& flags, const Settings& settings
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_film(flags, plan, settings));
   const std::span<const SinkKind> sinks = sinks_of(plan);
-  TRY(check_recorded_poses(around.storage, flags.recording, settings));
+  TRY(check_recorded_poses(flags.recording, settings, around));
   TRY(flags.kept.check(around.storage, inputs_of(flags, "recording"), outputs_of(settings, sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));

@@ -69,7 +69,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
         "'hdrcam replay --help' lists all"};
   const Settings settings = TRY(settings_on_recording(*flags.settings, asked));
   TRY(check_needs(settings));
-  TRY(check_recorded_poses(around.storage, flags.recording, settings));
+  TRY(check_recorded_poses(flags.recording, settings, around));
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, sink_kinds())));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
