@@ -53,8 +53,8 @@ Result<void> AsyncSink::emit(const EmittedFrame& frame) {
   Slot* slot = nullptr;
   {
     std::unique_lock lock(mutex_);
-    if (when_full_ == WhenFull::Wait) changed_.wait(lock, [&] { return count_ < slots || !result_; });
-    if (!result_) return result_;
+    if (when_full_ == WhenFull::Wait) changed_.wait(lock, [&] { return count_ < slots || failed(); });
+    if (failed()) return failure();
     if (count_ == slots) return ++times_.left_out, Result<void>{};
     slot = &slots_[(begin_ + count_) % slots];
   }
@@ -83,18 +83,22 @@ void AsyncSink::work() {
       slot = &slots_[begin_];
     }
     Stopwatch watch;
-    Result<void> emitted = [&] {
+    Result<void> emitted;
+    std::exception_ptr thrown;
+    try {
       const TraceSpan span(trace_, "emit", static_cast<std::int64_t>(slot->hdr.facts.sequence));
-      return sink_->emit({slot->hdr, slot->input, slot->record});
-    }();
+      emitted = sink_->emit({slot->hdr, slot->input, slot->record});
+    } catch (...) {
+      thrown = std::current_exception();
+    }
     const double ms = watch.lap_ms();
     {
       const std::lock_guard lock(mutex_);
-      times_.frames += emitted.ok() ? 1 : 0;
+      result_ = std::move(emitted), thrown_ = std::move(thrown);
+      times_.frames += failed() ? 0 : 1;
       times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
       begin_ = (begin_ + 1) % slots_.size(), --count_;
-      if (!emitted) result_ = std::move(emitted), count_ = 0;  // drops the rest
-      if (!result_) return changed_.notify_all();
+      if (failed()) return count_ = 0, changed_.notify_all();  // drops the rest
     }
     changed_.notify_all();
   }
@@ -111,8 +115,13 @@ void AsyncSink::end() {
 
 Result<void> AsyncSink::finish() {
   end();
-  if (!result_) return result_;
+  if (failed()) return failure();
   return sink_->finish();
+}
+
+Result<void> AsyncSink::failure() const {
+  if (thrown_ != nullptr) std::rethrow_exception(thrown_);
+  return result_;
 }
 
 SinkTimes AsyncSink::times() const {

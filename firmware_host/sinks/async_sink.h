@@ -6,6 +6,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -37,7 +38,8 @@ class AsyncSink : public FrameSink {
   AsyncSink(const AsyncSink&) = delete;
   AsyncSink& operator=(const AsyncSink&) = delete;
 
-  // Errors: the sink's first error, possibly from an earlier frame.
+  // Errors: the sink's first error, possibly from an earlier frame. What the sink threw on its thread, such
+  // as std::bad_alloc, is thrown here and by finish().
   Result<void> emit(const EmittedFrame& frame) override;
   // Completes all queued frames, or drops them after an error; then calls the sink's finish() here.
   Result<void> finish() override;
@@ -56,6 +58,9 @@ class AsyncSink : public FrameSink {
 
   void work();
   void end();
+  // Under the lock, or once the thread has ended.
+  bool failed() const { return !result_ || thrown_ != nullptr; }
+  Result<void> failure() const;  // throws what the sink threw
 
   const std::unique_ptr<FrameSink> sink_;
   const InputUse input_use_;
@@ -68,6 +73,7 @@ class AsyncSink : public FrameSink {
   std::size_t begin_ = 0, count_ = 0;
   bool closed_ = false;
   Result<void> result_;
+  std::exception_ptr thrown_;  // by the sink
   SinkTimes times_;
   std::thread thread_;
 };

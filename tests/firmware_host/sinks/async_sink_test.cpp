@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <future>
+#include <new>
 
 #include "tests/allocation_checks.h"
 #include "tests/firmware_host/sinks/example_frames.h"
@@ -42,6 +43,11 @@ class GatedSink : public FrameSink {
   Seen& seen_;
   std::shared_future<void> gate_;
   const std::uint64_t fails_at_;
+};
+
+class SinkWithoutMemory : public FrameSink {
+ public:
+  Result<void> emit(const EmittedFrame&) override { throw std::bad_alloc(); }
 };
 
 struct Gate {
@@ -157,6 +163,15 @@ TEST_CASE("the error of a sink reaches the emitting thread, also one that waits,
   CHECK(sink.finish().error().code == ErrorCode::NoSpace);
   CHECK(seen.sequences == std::vector<std::uint64_t>{0, 1, 2});
   CHECK_FALSE(seen.finished);
+}
+
+TEST_CASE("what a sink throws reaches the emitting thread and finish, as an error does") {
+  AsyncSink sink(std::make_unique<SinkWithoutMemory>(), WhenFull::Wait, ThreadPriority::Usual);
+  const auto emit_many = [&] {
+    for (std::uint64_t i = 0; i < 100; ++i) REQUIRE(emit(sink, example_frame(i)).ok());
+  };
+  CHECK_THROWS_AS(emit_many(), std::bad_alloc);
+  CHECK_THROWS_AS(sink.finish(), std::bad_alloc);
 }
 
 TEST_CASE("a queue allocates nothing once each of its frames was used") {
