@@ -65,7 +65,7 @@ std::optional<PictureLook> picture_look(std::string_view word) {
 }
 
 double stops_of(float r, float g, float b) {
-  return std::log2(static_cast<double>(std::max(luminance(r, g, b), kLeastHalf)));
+  return std::log2(static_cast<double>(std::max(kLeastHalf, luminance(r, g, b))));
 }
 
 Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureRequest& request) {

@@ -125,4 +125,7 @@ TEST_CASE("poses without a lens, or of nobody, are refused by every verb before 
                           {"live", "--camera", "sim:still?size=32x32", "--frames", "2"}},
                          {"--emit", "state"}, early,
                          "none is tracked without the field, which --emit state leaves out");
+  const std::vector<std::string> stopped{"replay", clips.no_poses,      "--emit",       "state",
+                                         "-o",     early + "/%06d.exr", "--transforms", early + "/t.json"};
+  CHECK(ran_here(stopped, posix_storage(), true).exit_code == kExitInterrupted);  // not read to its end
 }
