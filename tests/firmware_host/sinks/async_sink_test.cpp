@@ -168,7 +168,7 @@ TEST_CASE("the error of a sink reaches the emitting thread, also one that waits,
 TEST_CASE("what a sink throws reaches the emitting thread and finish, as an error does") {
   AsyncSink sink(std::make_unique<SinkWithoutMemory>(), WhenFull::Wait, ThreadPriority::Usual);
   const auto emit_many = [&] {
-    for (std::uint64_t i = 0; i < 100; ++i) REQUIRE(emit(sink, example_frame(i)).ok());
+    for (std::uint64_t i = 0; i < 100; ++i) (void)emit(sink, example_frame(i));
   };
   CHECK_THROWS_AS(emit_many(), std::bad_alloc);
   CHECK_THROWS_AS(sink.finish(), std::bad_alloc);
