@@ -133,8 +133,13 @@ Result<void> write_whole(Storage& storage, const std::string& path, std::span<co
 }
 
 Result<std::string> read_whole(Storage& storage, const std::string& path) {
+  constexpr std::uint64_t kMost = std::uint64_t{2} << 30;
   auto file = TRY(storage.open(path));
-  std::string text(TRY(file->size()), '\0');
+  const std::uint64_t size = TRY(file->size());
+  if (size > kMost)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' is larger than 2 GiB, as no picture or document may be", path)};
+  std::string text(size, '\0');
   const std::size_t n = TRY(file->read_at(0, std::as_writable_bytes(std::span(text))));
   text.resize(n);
   return text;

@@ -140,6 +140,7 @@ class FileInMaking {
 // stream are too many to wait for the disk with each.
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,
                          Durability durability = Durability::AtOnce);
+// Reads a picture or a document. Unsupported beyond 2 GiB: it is neither, and might take all memory.
 Result<std::string> read_whole(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

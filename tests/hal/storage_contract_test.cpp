@@ -1,3 +1,5 @@
+#include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -35,6 +37,17 @@ class LookedTooEarly : public ForwardingStorage {
   const std::string path_;
   FileFacts missing_;
 };
+
+TEST_CASE("a file that is larger than any picture is not read into memory") {
+  const std::string path = test::scratch_folder("too_large") + "/disk.png";
+  REQUIRE(write_whole(posix_storage(), path, {}).ok());
+  std::filesystem::resize_file(path, (std::uintmax_t{2} << 30) + 1);  // sparse
+  const auto refused = read_whole(posix_storage(), path);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Unsupported);
+  CHECK(refused.error().message.find("larger than 2 GiB") != std::string::npos);
+  std::filesystem::remove(path);
+}
 
 TEST_CASE("of two programs that write one file at the same moment neither loses it") {
   const std::string path = test::scratch_folder("same_moment") + "/file";
