@@ -213,11 +213,11 @@ Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std
   demuxer->pb = file->stream_.context();
   demuxer->io_open = open_nothing;
   // Without a name: the content says what it is, and no name is taken for a pattern. On failure the library
-  // frees what it was given.
+  // frees what it was given, and then it is null; it may be open though a read of it failed.
   const int code = avformat_open_input(&demuxer, nullptr, nullptr, nullptr);
+  file->demuxer_.reset(demuxer);
   if (file->stream_.failure()) return *file->stream_.failure();
   if (code < 0) return file->refused(ErrorCode::NotRecording, why_unread(TRY(brand_of(storage, path))));
-  file->demuxer_.reset(demuxer);
   file->end_byte_ = avio_tell(demuxer->pb);
   TRY(file->open_decoder());
   return std::unique_ptr<PictureFile>(std::move(file));

@@ -79,14 +79,14 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   AVFormatContext* demuxer = libav::allocated(avformat_alloc_context());
   demuxer->pb = container.stream->context();
   demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
-  // Frees the demuxer on failure.
+  // Frees the demuxer on failure, and then it is null; it may be open though a read of it failed.
   const int code = avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);
+  container.demuxer.reset(demuxer);
   if (container.stream->failure()) return *container.stream->failure();
   if (code < 0 && !container.whole)
     return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
   if (code < 0)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: its header cannot be read", path)};
-  container.demuxer.reset(demuxer);
   return container;
 }
 
