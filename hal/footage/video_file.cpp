@@ -87,6 +87,11 @@ std::optional<double> clock_time_s(std::string_view text) {
   return time_s;
 }
 
+// FFmpeg has one demuxer for all of that family, "mov,mp4,m4a,..".
+bool is_mp4_or_mov(const AVFormatContext& demuxer) {
+  return std::string_view(demuxer.iformat->name).starts_with("mov");
+}
+
 // When a track ends, as its file states it: for the track, or for all where it is the only one.
 std::optional<double> stated_end_s(const AVFormatContext& demuxer, const AVStream& track) {
   const std::string_view container = demuxer.iformat->name;
@@ -260,7 +265,7 @@ Result<void> VideoFile::open_decoder() {
 
 // Of an MP4 or MOV in which no pictures were found.
 Result<void> VideoFile::check_index() {
-  if (!std::string_view(demuxer_->iformat->name).starts_with("mov")) return {};
+  if (!is_mp4_or_mov(*demuxer_)) return {};
   if (!TRY(is_index_cut(stream_.file()))) return {};
   return refused(
       ErrorCode::Truncated,
@@ -361,8 +366,7 @@ bool VideoFile::ends_inside_frame() {
 int VideoFile::missing_at_end() {
   const AVStream& track = *demuxer_->streams[track_];
   if (still_) return 0;
-  if (std::string_view(demuxer_->iformat->name).starts_with("mov"))
-    return std::max(0, avformat_index_get_entries_count(&track) - packets_);
+  if (is_mp4_or_mov(*demuxer_)) return std::max(0, avformat_index_get_entries_count(&track) - packets_);
   constexpr double kRounding = 0.1, kMost = 1e9;  // frames; times are in milliseconds
   const auto stated_s = stated_end_s(*demuxer_, track);
   if (!stated_s || packets_ == 0) return ends_inside_frame() ? 1 : 0;

@@ -6,6 +6,13 @@
 #include "hal/real/device_node.h"
 
 namespace hdrcam {
+namespace {
+
+std::int64_t in_ms(Duration time) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+
+}  // namespace
 
 Error must_stop_to_configure(const std::string& id) {
   return {ErrorCode::Invalid, fmt::format("camera '{}' is started; stop it to configure it", id)};
@@ -38,12 +45,6 @@ Result<void> check_size(const StreamMode& wanted) {
 Error stopped(const std::string& id) {
   return {ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", id)};
 }
-
-namespace {
-std::int64_t in_ms(Duration time) {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
-}
-}  // namespace
 
 Error no_frame_within(const std::string& id, Duration timeout) {
   return {ErrorCode::Timeout,
