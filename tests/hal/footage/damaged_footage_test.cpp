@@ -21,6 +21,7 @@ using test::pictures;
 using test::png_file;
 using test::read_footage;
 using test::ReadFootage;
+using test::refusal;
 using test::tiff_file;
 
 namespace {
@@ -80,9 +81,8 @@ TEST_CASE("an MP4 that was cut before its index is called one, and not a file th
   const std::string type("\0\0\0\30ftypisom\0\0\2\0isomiso2", 24), samples("\0\1\0\0mdat", 8);
   std::ofstream(path, std::ios::binary) << type << samples << std::string(1000, '\0');
   const ReadFootage cut = read_footage({path});
-  REQUIRE(cut.error);
-  CHECK(cut.error->code == ErrorCode::NotRecording);
-  CHECK_THAT(cut.error->message, Contains(path) && Contains("one that was cut has lost its index"));
+  CHECK_THAT(refusal(cut, ErrorCode::NotRecording),
+             Contains(path) && Contains("one that was cut has lost its index"));
 }
 
 TEST_CASE("an MP4 that was cut within its index, which stands first, is called cut") {
@@ -106,9 +106,8 @@ TEST_CASE("a HEIC picture that FFmpeg cannot read is called one, and not a video
   const std::string type("\0\0\0\30ftypheic\0\0\0\0mif1heic", 24), samples("\0\1\0\0mdat", 8);
   std::ofstream(path, std::ios::binary) << type << samples << std::string(1000, '\0');
   const ReadFootage picture = read_footage({path});
-  REQUIRE(picture.error);
-  CHECK(picture.error->code == ErrorCode::NotRecording);
-  CHECK_THAT(picture.error->message, Contains(path) && Contains("HEIC") && !Contains("cut"));
+  CHECK_THAT(refusal(picture, ErrorCode::NotRecording),
+             Contains(path) && Contains("HEIC") && !Contains("cut"));
 }
 
 TEST_CASE("what a cut AVI lacks is counted by the number of frames that its head states") {
@@ -157,15 +156,11 @@ TEST_CASE("a Y4M that ends inside its first frame is called cut, and one without
     CAPTURE(behind_head);
     std::filesystem::resize_file(path, head.size() + behind_head);
     const ReadFootage cut = read_footage({path});
-    REQUIRE(cut.error);
-    CHECK(cut.error->code == ErrorCode::Truncated);
-    CHECK_THAT(cut.error->message, Contains("x.y4m' ends before the end of its first frame"));
+    CHECK_THAT(refusal(cut, ErrorCode::Truncated), Contains("x.y4m' ends before the end of its first frame"));
   }
   std::filesystem::resize_file(path, head.size());
   const ReadFootage none = read_footage({path});
-  REQUIRE(none.error);
-  CHECK(none.error->code == ErrorCode::NotRecording);
-  CHECK_THAT(none.error->message, Contains("holds no pictures"));
+  CHECK_THAT(refusal(none, ErrorCode::NotRecording), Contains("holds no pictures"));
 }
 
 TEST_CASE("a Matroska video that ends inside its first frame is called cut") {
@@ -175,9 +170,7 @@ TEST_CASE("a Matroska video that ends inside its first frame is called cut") {
   REQUIRE(cluster != std::string::npos);
   std::filesystem::resize_file(path, cluster + 40);
   const ReadFootage cut = read_footage({path});
-  REQUIRE(cut.error);
-  CHECK(cut.error->code == ErrorCode::Truncated);
-  CHECK_THAT(cut.error->message, Contains("x.mkv' ends before the end of its first frame"));
+  CHECK_THAT(refusal(cut, ErrorCode::Truncated), Contains("x.mkv' ends before the end of its first frame"));
 }
 
 TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
@@ -220,9 +213,7 @@ TEST_CASE("a video that states an impossible end puts no frame of the next one b
   bytes.replace(at, stated.size(), claimed);
   std::ofstream(folder + "/a.mkv", std::ios::binary) << bytes;
   const ReadFootage read_back = read_footage({folder + "/a.mkv", folder + "/b.mkv"});
-  REQUIRE(read_back.error);
-  CHECK(read_back.error->code == ErrorCode::Corrupt);
-  CHECK_THAT(read_back.error->message, Contains("/b.mkv', would come"));
+  CHECK_THAT(refusal(read_back, ErrorCode::Corrupt), Contains("/b.mkv', would come"));
 }
 
 TEST_CASE("damaged frames of a video are left out and counted, and the others keep their times") {
@@ -267,9 +258,7 @@ TEST_CASE("a damaged still is an error that names it, wherever it stands") {
     std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) * 2 / 3);
     for (const auto& files : {std::vector{folder + whole, damaged}, std::vector{damaged, folder + whole}}) {
       const ReadFootage read_back = read_footage(files);
-      REQUIRE(read_back.error);
-      CHECK(read_back.error->code == ErrorCode::Corrupt);
-      CHECK_THAT(read_back.error->message, Contains(damaged) && Contains("damaged or cut"));
+      CHECK_THAT(refusal(read_back, ErrorCode::Corrupt), Contains(damaged) && Contains("damaged or cut"));
     }
   }
 }

@@ -20,6 +20,7 @@ using test::pictures;
 using test::png_file;
 using test::read_footage;
 using test::ReadFootage;
+using test::refusal;
 
 TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is no frame") {
   const std::string folder = sample::scratch_folder("footage_second_picture");
@@ -136,23 +137,17 @@ TEST_CASE("what is no footage is an error that names the file") {
   const std::string text = folder + "/x.mp4";
   std::ofstream(text) << "this is no video, whatever it is called\n";
   const ReadFootage not_video = read_footage({text});
-  REQUIRE(not_video.error);
-  CHECK(not_video.error->code == ErrorCode::NotRecording);
-  CHECK_THAT(not_video.error->message, Contains(text));
+  CHECK_THAT(refusal(not_video, ErrorCode::NotRecording), Contains(text));
   CHECK(read_footage({folder + "/missing.mp4"}).error->code == ErrorCode::NotFound);
   for (const char* name : {"/empty.jpg", "/empty.mp4", "/empty.dng"}) {
     std::ofstream(folder + name).flush();
     const ReadFootage empty = read_footage({folder + name});
-    REQUIRE(empty.error);
-    CHECK(empty.error->code == ErrorCode::NotRecording);
-    CHECK_THAT(empty.error->message, Contains(fmt::format("{}' is empty", name)));
+    CHECK_THAT(refusal(empty, ErrorCode::NotRecording), Contains(fmt::format("{}' is empty", name)));
   }
 
   const ReadFootage sizes = read_footage(
       {png_file(folder + "/a.png", patches(0)), png_file(folder + "/b.png", patches(0, 32, 96))});
-  REQUIRE(sizes.error);
-  CHECK(sizes.error->code == ErrorCode::SizeChanged);
-  CHECK_THAT(sizes.error->message,
+  CHECK_THAT(refusal(sizes, ErrorCode::SizeChanged),
              Contains("b.png") && Contains("96x32") && Contains("of one kind and size"));
 }
 
@@ -162,9 +157,7 @@ TEST_CASE("pictures that no recording can hold are refused at once, and named") 
     const std::string path =
         png_file(fmt::format("{}/{}x{}.png", folder, cols, rows), patches(0, rows, cols));
     const ReadFootage refused = read_footage({path});
-    REQUIRE(refused.error);
-    CHECK(refused.error->code == ErrorCode::Unsupported);
-    CHECK_THAT(refused.error->message,
+    CHECK_THAT(refusal(refused, ErrorCode::Unsupported),
                Contains(path) && Contains(fmt::format("has {}x{} pixels", cols, rows)));
   }
   CHECK_FALSE(read_footage({png_file(folder + "/wide.png", patches(0, 2, 16384))}).error);

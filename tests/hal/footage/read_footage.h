@@ -58,6 +58,13 @@ inline ReadFootage read_footage(std::vector<std::string> files, double framerate
   }
 }
 
+// The sentence of the error that ended it, which is of this kind.
+inline std::string refusal(const ReadFootage& read, ErrorCode code) {
+  REQUIRE(read.error);
+  CHECK(read.error->code == code);
+  return read.error->message;
+}
+
 // The largest difference in the middles of the patches, codes of 255.
 inline double difference(const RawFrame& frame, int bits, const Image<std::uint16_t>& rgb) {
   const double scale = 255.0 / ((1 << bits) - 1);
