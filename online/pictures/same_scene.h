@@ -1,7 +1,8 @@
 // Whether two pictures of different exposure show one scene, or a cut lies between them. Whatever lies
 // between the exposures and whatever the response, two pictures of one scene agree in the medians of 16x16
-// cells of green up to a monotone curve, so Spearman's rank correlation of these is compared with a limit.
-// Reentrant.
+// cells of a channel up to a monotone curve, so Spearman's rank correlation of these is compared with a
+// limit: the mean over the channels, in which one counts by how far its cells differ in the picture where
+// they differ less, because a dark picture may have nothing but noise in some of them. Reentrant.
 #pragma once
 
 #include <array>
@@ -12,17 +13,24 @@
 
 namespace hdrcam {
 
-// What is compared of a picture, for those who keep it for later: a median per cell, -1 where it is clipped.
+// What is compared of a picture, for those who keep it for later: per channel a median of each cell, -1 where
+// that is clipped.
 constexpr int kThumbnailCells = 16;  // along each side
-using SceneThumbnail = std::array<float, std::size_t{kThumbnailCells} * kThumbnailCells>;
+using ThumbnailChannel = std::array<float, std::size_t{kThumbnailCells} * kThumbnailCells>;
+using SceneThumbnail = std::array<ThumbnailChannel, 3>;
 // every_line: n, each n-th line is looked at. scratch: its memory is used again.
 SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vector<float>& scratch);
 
-// That correlation, -1..1, over the cells that are clipped in neither picture; 1 when fewer than so many are
-// left.
-double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells);
+// That correlation, -1..1, over the cells that are clipped in neither picture. A channel that has fewer than
+// `fewest_cells` of them, or but one code, counts as 1 and little. presumed: as if so many codes by which
+// cells differ had been seen to agree.
+double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells,
+                       double presumed = 0);
 
-// Both of one size. True also where too few cells are clipped in neither picture to tell.
+// Whether some channel has so many cells that are not clipped and differ by more than noise.
+bool shows_scene(const SceneThumbnail& thumbnail, std::size_t fewest_cells);
+
+// Both of one size. True also where their cells do not tell.
 bool shows_one_scene(const ExposedFrame& a, const ExposedFrame& b);
 
 }  // namespace hdrcam

@@ -10,8 +10,9 @@ constexpr std::size_t kQuarterOfThePicture = 64;  // in cells; steps of five sto
 
 // A world that ends by mistake costs more than a cut that is missed: the limits are those of a sure one.
 bool is_cut(const SceneThumbnail& before, const SceneThumbnail& after) {
-  constexpr double kAlike = 0.3;  // fast pans stay above .4, cuts are near 0
-  return scene_agreement(before, after, kQuarterOfThePicture) < kAlike;
+  constexpr double kAlike = 0.3;   // fast pans stay above .4, cuts are near 0
+  constexpr double kPresumed = 3;  // codes: two dark pictures differ by noise
+  return scene_agreement(before, after, kQuarterOfThePicture, kPresumed) < kAlike;
 }
 
 }  // namespace
@@ -43,8 +44,7 @@ bool WorldWatch::ends_before(const ExposedFrame& frame, const CameraPose& pose) 
 // A frame that shows little leaves the one before it for some time: later the camera may be elsewhere.
 void WorldWatch::keep(const SceneThumbnail& now) {
   constexpr int kOldest = 8;  // frames: two rounds of a long cycle
-  const auto shown = std::ranges::count_if(now, [](float cell) { return cell >= 0; });
-  if (static_cast<std::size_t>(shown) < kQuarterOfThePicture && ++age_ <= kOldest) return;
+  if (!shows_scene(now, kQuarterOfThePicture) && ++age_ <= kOldest) return;
   seen_ = now;
   age_ = 0;
 }

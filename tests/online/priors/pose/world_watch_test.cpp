@@ -2,6 +2,7 @@
 #include "online/priors/pose/world_watch.h"
 
 #include <cmath>
+#include <random>
 
 #include <catch2/catch.hpp>
 
@@ -74,4 +75,22 @@ TEST_CASE("pictures that show too little to compare end no world") {
   CHECK_FALSE(watch.ends_before(picture(kElsewhere, 0, 0.01), tracked()));
   CHECK_FALSE(watch.ends_before(picture(kElsewhere, 0, 100), tracked()));
   CHECK_FALSE(watch.ends_before(picture(kHere), tracked()));
+}
+
+TEST_CASE("a world goes on over pictures that show nothing but noise, and ends at a cut behind them") {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(16);
+  const auto dark = [&] {
+    ExposedFrame frame = picture(0, 0, 0);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 128; ++x) frame.codes.at(c, y, x) = std::round(noise(random));
+    return frame;
+  };
+  WorldWatch watch;
+  watch.begin(picture(kHere));
+  for (int i = 0; i < 4; ++i) CHECK_FALSE(watch.ends_before(dark(), tracked()));
+  CHECK_FALSE(watch.ends_before(picture(kHere, 4), tracked()));
+  CHECK_FALSE(watch.ends_before(dark(), tracked()));
+  CHECK(watch.ends_before(picture(kElsewhere), tracked()));
 }
