@@ -177,9 +177,10 @@ Result<std::vector<std::string>> channel_names(const Imf::Header& header, const 
 // Before any memory is taken for it.
 Result<void> check_possible(const Imf::Header& header, std::size_t channels, std::size_t file_bytes,
                             const std::string& name) {
-  const auto samples_of = [&](const Imath::Box2i& window) {
-    return static_cast<std::size_t>(width_of(window)) * static_cast<std::size_t>(height_of(window)) *
-           channels;
+  // The library limits the data but not what is displayed, whose samples may be more than a size_t counts.
+  const auto samples_of = [&](const Imath::Box2i& window) -> std::size_t {
+    const std::size_t pixels = pixel_count(height_of(window), width_of(window));
+    return channels != 0 && pixels > kMaxSamples / channels ? kMaxSamples + 1 : pixels * channels;
   };
   const Imath::Box2i &window = header.dataWindow(), &display = header.displayWindow();
   const std::size_t samples = samples_of(window), shown_samples = samples_of(display);

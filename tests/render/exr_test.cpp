@@ -46,6 +46,15 @@ ExrImage round_trip(const ExrPicture& picture) {
   return std::move(image).value();
 }
 
+// Makes the file display the picture between the corners x0 y0 x1 y1, inclusively.
+void show(const std::array<std::int32_t, 4>& corners, std::vector<std::byte>& file) {
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  constexpr std::string_view kWindow("displayWindow\0box2i\0\x10\0\0\0", 24);
+  const std::size_t window = text.find(kWindow);
+  REQUIRE(window != std::string_view::npos);
+  std::memcpy(file.data() + window + kWindow.size(), corners.data(), sizeof corners);
+}
+
 }  // namespace
 
 TEST_CASE("an OpenEXR picture comes back: float exactly, half to its eleven bits") {
@@ -344,13 +353,9 @@ TEST_CASE("the picture of an OpenEXR file is what it displays, whatever part of 
   ExrPicture picture;
   picture.rows = picture.cols = 64;
   picture.channels = {{"R", data.samples(), ExrSample::Float}};
-  const auto displayed = [&](std::array<std::int32_t, 4> corners) {  // x0 y0 x1 y1
+  const auto displayed = [&](std::array<std::int32_t, 4> corners) {
     std::vector<std::byte> bytes = encode_exr(picture).value();
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    constexpr std::string_view kWindow("displayWindow\0box2i\0\x10\0\0\0", 24);
-    const std::size_t window = text.find(kWindow);
-    REQUIRE(window != std::string_view::npos);
-    std::memcpy(bytes.data() + window + kWindow.size(), corners.data(), sizeof corners);
+    show(corners, bytes);
     return decode_exr(bytes, "windows.exr");
   };
   const ExrImage part = displayed({8, 4, 55, 67}).value();  // four rows more than there are data
@@ -366,6 +371,20 @@ TEST_CASE("the picture of an OpenEXR file is what it displays, whatever part of 
   REQUIRE_FALSE(vast.ok());
   CHECK(vast.error().code == ErrorCode::Unsupported);
   CHECK(vast.error().message.find("1 channels of 64x64 in a picture of 65536x1024") != std::string::npos);
+}
+
+TEST_CASE("a displayed picture of more samples than a 64-bit size counts is refused") {
+  const std::vector<float> grey(64 * 64, 0.5f);
+  ExrPicture picture;
+  picture.rows = picture.cols = 64;
+  for (char c = 'a'; c < 'a' + 16; ++c) picture.channels.push_back({{c}, grey, ExrSample::Float});
+  // (2^30 + 2^15) x (2^30 - 2^15 + 1) pixels of 16 channels: 2^64 + 2^19 samples.
+  constexpr std::int32_t kFirst = -(1 << 29);
+  std::vector<std::byte> bytes = encode_exr(picture).value();
+  show({kFirst, kFirst, kFirst + (1 << 30) + (1 << 15) - 1, kFirst + (1 << 30) - (1 << 15)}, bytes);
+  const auto vast = decode_exr(bytes, "vast.exr");
+  REQUIRE_FALSE(vast.ok());
+  CHECK(vast.error().code == ErrorCode::Unsupported);
 }
 
 TEST_CASE("bytes that are no OpenEXR file are refused by name") {
