@@ -1,4 +1,4 @@
-// The objective of the fit (paper section 3.4 and appendix): for one ray the weighted sum of its losses,
+// The objective of the fit (paper section 4.4 and appendix): for one ray the weighted sum of its losses,
 // reported by name, with the gradients with respect to the ray's picture and its samples. Scalar type T as in
 // ../field/hash_grid.h.
 // Reentrant.
