@@ -53,8 +53,11 @@ struct Branch {
   HashGrid<T> grid;
   Mlp<T> mlp;
 
+  // The grid's entries begin at random within this of 0: almost no residual. Müller et al. take 1e-4.
+  static constexpr float kEntrySpread = 1e-2f;
+
   Branch(const HashGridShape& shape, int hidden, int outputs, float head_gain, Pcg32& random)
-      : grid(shape, 1e-2f, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
+      : grid(shape, kEntrySpread, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
   // copies the parameters of a branch of the same shape, without gradients
   void copy_parameters(const Branch& from) {
     HDRCAM_CHECK(grid.shape() == from.grid.shape());
@@ -72,7 +75,7 @@ struct FieldNetworks {
       : static_(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
         dynamic(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
         blend(shape.blend) {
-    for (int k = 0; k < 2; ++k) dynamic.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
+    for (int k = 0; k < 2; ++k) dynamic.mlp.head_bias(DynamicHead::kOcclusion + k) = T(kVisible);
     if (shape.branches == Branches::Dynamic) static_.mlp.head_bias(StaticHead::kDensity) = T(kNowhere);
   }
   void copy_parameters(const FieldNetworks& from) {
@@ -80,6 +83,7 @@ struct FieldNetworks {
     dynamic.copy_parameters(from.dynamic);
   }
   static constexpr float kHeadGain = 0.1f;
+  static constexpr float kVisible = 3;    // occlusion weights at first, before the sigmoid: 0.95
   static constexpr float kNowhere = -60;  // log density, far below its bound: neither seen nor fitted
 };
 

@@ -159,7 +159,8 @@ template <class T>
 void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
   const T last_x = T(base.cols() - 1), last_y = T(base.rows() - 1);
-  const bool inside_x = x > 0 && x<last_x, inside_y = y> 0 && y < last_y;
+  const bool inside_x = x > 0 && x < last_x;
+  const bool inside_y = y > 0 && y < last_y;
   // as in_picture() of vulkan/camera.glsl: what is not a number is in the picture, too
   const auto within = [](T at, T last) {
     const T near = at < last ? at : last;
