@@ -23,7 +23,7 @@ enum class LossTerm : std::size_t {
   Distortion,
   ResponseSmoothness,
 };
-constexpr std::size_t kLossTerms = 14;
+constexpr std::size_t kLossTerms = static_cast<std::size_t>(LossTerm::ResponseSmoothness) + 1;
 
 struct LossFact {
   const char* name;
