@@ -1,6 +1,5 @@
 #include "render/scores/estimates.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -22,11 +21,8 @@ Image<float> flow_of(const ExrImage& picture, const std::string_view (&names)[2]
   const auto dx = picture.find(names[0]), dy = picture.find(names[1]);
   if (!dx || !dy) return {};
   Image<float> flow(2, picture.samples.rows(), picture.samples.cols());
-  const auto copy = [&](int from, int to) {
-    const float* plane = picture.samples.plane(from);
-    std::transform(plane, plane + flow.plane_size(), flow.plane(to), finite_or_bound);
-  };
-  copy(*dx, 0), copy(*dy, 1);
+  copy_finite(picture, *dx, flow.plane(0));
+  copy_finite(picture, *dy, flow.plane(1));
   return flow;
 }
 

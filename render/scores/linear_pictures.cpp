@@ -3,17 +3,15 @@
 #include <algorithm>
 
 namespace hdrcam {
-namespace {
 
-void copy_finite(const float* from, std::size_t count, float* to) {
-  std::transform(from, from + count, to, finite_or_bound);
+void copy_finite(const ExrImage& picture, int channel, float* to) {
+  const float* from = picture.samples.plane(channel);
+  std::transform(from, from + picture.samples.plane_size(), to, finite_or_bound);
 }
-
-}  // namespace
 
 Image<float> plane_of(const ExrImage& picture, int channel) {
   Image<float> plane(1, picture.samples.rows(), picture.samples.cols());
-  copy_finite(picture.samples.plane(channel), plane.size(), plane.plane(0));
+  copy_finite(picture, channel, plane.plane(0));
   return plane;
 }
 
@@ -24,7 +22,7 @@ Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name) {
     if (!channel)
       return Error{ErrorCode::Unsupported, fmt::format("'{}' has no channel '{}'; radiance is R, G and B",
                                                        name, exr_channel::kRadiance[c])};
-    copy_finite(picture.samples.plane(*channel), rgb.plane_size(), rgb.plane(c));
+    copy_finite(picture, *channel, rgb.plane(c));
   }
   return rgb;
 }

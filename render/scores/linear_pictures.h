@@ -18,6 +18,9 @@ inline float finite_or_bound(float v) {
   return v > 0 ? kInfinity : 0;
 }
 
+// The samples of one channel, finite, to as many floats.
+void copy_finite(const ExrImage& picture, int channel, float* to);
+
 // One channel, finite: [1, rows, cols].
 Image<float> plane_of(const ExrImage& picture, int channel);
 
