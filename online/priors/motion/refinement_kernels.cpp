@@ -35,7 +35,8 @@ struct Layout {
   std::ptrdiff_t pitch;  // floats from line to line
 };
 Layout layout_of(int rows, int cols) {
-  return {(rows + 2 + kRefinementPieces - 1) / kRefinementPieces, (cols + 7) / 8 * 8 + kMargin};
+  return {(rows + 2 + kRefinementPieces - 1) / kRefinementPieces,
+          (cols + kLanes - 1) / kLanes * kLanes + kMargin};
 }
 std::ptrdiff_t piece_floats(int rows, int cols) {
   const Layout layout = layout_of(rows, cols);
