@@ -27,6 +27,8 @@ class ResponseLearner {
     std::optional<Response> known = {};  // then only exposures and noise are learned
   };
   explicit ResponseLearner(Options options) : options_(options) {}
+  ResponseLearner(const ResponseLearner&) = delete;  // its fit reads it from another thread
+  ResponseLearner& operator=(const ResponseLearner&) = delete;
 
   // Looks at one of the first frames as it comes, its black level in it unless the response is known; before:
   // the one before it, or null. So there is less to do when there are enough of them.
