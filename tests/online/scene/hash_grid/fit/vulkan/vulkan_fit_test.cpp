@@ -1,15 +1,9 @@
-// The fit on the graphics device against the processor's: each operation, whole gradients, whole fits, and
-// what happens when the device fails.
+// The gradients of a step on the graphics device against the processor's in double precision.
 #include "online/scene/hash_grid/fit/vulkan/vulkan_fit.h"
 
 #include <cmath>
-#include <cstring>
-#include <ctime>
+#include <memory>
 
-#include "hal/fault/faulty_gpu.h"
-#include "online/scene/hash_grid/field/field_renderer.h"
-#include "online/scene/hash_grid/field/vulkan/branch_layout.h"
-#include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/scene/hash_grid/fit/ray_shard.h"
 #include "tests/online/scene/hash_grid/field/learned_networks.h"
 #include "tests/online/scene/hash_grid/fit/window_fixture.h"
