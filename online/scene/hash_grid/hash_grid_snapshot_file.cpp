@@ -65,7 +65,7 @@ bool is_possible(const WindowFrustum& frustum) {
 
 bool is_possible(const HashGridShape& shape) {
   return is_within(shape.levels, 2, HashGridShape::kMostLevels) && shape.levels % 2 == 0 &&
-         is_within(shape.log2_entries, 6, HashGridShape::kMostLog2Entries) &&
+         is_within(shape.log2_entries, HashGridShape::kFewestLog2Entries, HashGridShape::kMostLog2Entries) &&
          is_within(shape.slots, 1, kMostFrames + 1) && is_within(shape.coarsest_cells, 2, 1 << 16) &&
          is_within(shape.finest_cells, shape.coarsest_cells, 1 << 16) &&
          is_within(static_cast<double>(shape.v_ratio), 1.0 / kMaxSidePx, kMaxSidePx) &&

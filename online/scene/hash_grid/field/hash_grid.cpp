@@ -3,7 +3,8 @@
 namespace hdrcam {
 
 std::vector<HashLevel> hash_levels(const HashGridShape& shape) {
-  HDRCAM_CHECK(shape.levels >= 1 && shape.levels <= HashGridShape::kMostLevels && shape.log2_entries >= 6 &&
+  HDRCAM_CHECK(shape.levels >= 1 && shape.levels <= HashGridShape::kMostLevels);
+  HDRCAM_CHECK(shape.log2_entries >= HashGridShape::kFewestLog2Entries &&
                shape.log2_entries <= HashGridShape::kMostLog2Entries);
   HDRCAM_CHECK(shape.slots >= 1 && shape.coarsest_cells >= 2 && shape.finest_cells >= shape.coarsest_cells);
   const std::uint32_t entries = 1u << shape.log2_entries;
