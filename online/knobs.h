@@ -4,7 +4,6 @@
 // reentrant.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>

@@ -1,6 +1,6 @@
 #include "render/display_light.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include <catch2/catch.hpp>
 

@@ -4,7 +4,6 @@
 #include <Imath/half.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 

@@ -1,7 +1,5 @@
 #include "online/state/exposure_tables.h"
 
-#include <vector>
-
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;

@@ -1,6 +1,5 @@
 #include "online/state/texture_error.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "online/pictures/local_statistics.h"

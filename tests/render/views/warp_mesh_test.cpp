@@ -1,7 +1,6 @@
 #include "render/views/warp_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <catch2/catch.hpp>
 

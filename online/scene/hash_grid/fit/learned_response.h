@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "hal/core/check.h"
 #include "online/response/response.h"

@@ -1,11 +1,13 @@
 #include "online/priors/depth/dynamic_depth.h"
 
-#include <catch2/catch.hpp>
-#include <cmath>
+#include <algorithm>
 #include <functional>
+#include <vector>
 
 #include "tests/online/priors/pose/synthetic_scene.h"
 #include "tests/support/uniform_flow.h"
+
+#include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using namespace hdrcam::test;

@@ -3,7 +3,6 @@
 #include "online/state/vulkan/state_passes.h"
 
 #include <cmath>
-#include <vector>
 
 #include "capture/to_exposed_frame.h"
 #include "hal/fault/faulty_gpu.h"
