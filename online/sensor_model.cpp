@@ -2,7 +2,6 @@
 
 #include "capture/amplified_noise.h"
 #include "capture/companding.h"
-#include "capture/demosaic.h"
 #include "capture/to_exposed_frame.h"
 
 namespace hdrcam {

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 
-#include "hal/core/check.h"
 #include "online/response/response.h"
 
 namespace hdrcam {
