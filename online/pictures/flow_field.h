@@ -25,5 +25,8 @@ struct StateMotion {
 
 // A frame's neighbours, in the order of flow[2] and similar arrays.
 enum class Neighbour : int { Next = 0, Previous = 1 };
+constexpr int neighbour_of(int frame, Neighbour which) {
+  return which == Neighbour::Next ? frame + 1 : frame - 1;
+}
 
 }  // namespace hdrcam

@@ -26,7 +26,7 @@ PixelPicker::PixelPicker(int rows, int cols)
 void PixelPicker::look_at(const WindowFrame& frame) {
   std::fill(interest_.begin(), interest_.end(), 0.f);
   constexpr auto kBackward = static_cast<std::size_t>(kBaseConfidence) + 1;
-  const bool knows_flow = frame.has_flow[static_cast<int>(Neighbour::Previous)];
+  const bool knows_flow = frame.knows_flow(Neighbour::Previous);
   for (int y = 0; y < rows_; ++y)
     for (int x = 0; x < cols_; ++x) {
       const BasePixel& base = frame.base.at(0, y, x);

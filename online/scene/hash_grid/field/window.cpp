@@ -303,7 +303,8 @@ RigidTransform Window::move_anchor() {
   const RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
   for (int i = 0; i < size(); ++i) {
     WindowFrame& lifted = writable(i);
-    for (const auto& [neighbour, j] : {std::pair(Neighbour::Next, i + 1), {Neighbour::Previous, i - 1}}) {
+    for (const Neighbour neighbour : {Neighbour::Next, Neighbour::Previous}) {
+      const int j = neighbour_of(i, neighbour);
       if (j < 0 || j >= size()) continue;
       const Reanchoring way(frustum_, frame(i).T_anchor_camera, frame(j).T_anchor_camera, T_new_old);
       for (int y = 0; y < frustum_.rows; ++y)

@@ -72,6 +72,7 @@ struct WindowFrame {
   float dynamic_share = 0;            // of the pixels whose flow prior exceeds a quarter of a pixel
   int holders = 0;                    // snapshots that hold it; counted by the thread that writes the window
 
+  bool knows_flow(Neighbour which) const { return has_flow[static_cast<int>(which)]; }
   void copy_from(const WindowFrame& other);  // everything except the holders
 };
 

@@ -3,11 +3,11 @@
 namespace hdrcam {
 namespace {
 
-// The pixel of the neighbour to which the flow prior leads. A ray of whom frame, pixel and guide are known.
+// The pixel of the neighbour to which the flow prior leads. Of a ray whose frame, pixel and guide are known.
 void follow_flow(const Window& window, const TrainingRay& ray, Neighbour toward, float landing[2]) {
   const auto n = static_cast<std::size_t>(toward);
   const WindowFrame& here = window.frame(ray.frame);
-  const WindowFrame& there = window.frame(ray.frame + (toward == Neighbour::Next ? 1 : -1));
+  const WindowFrame& there = window.frame(neighbour_of(ray.frame, toward));
   const BasePixel& base = here.base.at(0, static_cast<int>(ray.pixel[1]), static_cast<int>(ray.pixel[0]));
   float x[3];
   ViewGeometry<float>(window.frustum(), here.T_anchor_camera).place(ray.pixel, ray.guide, x);
@@ -44,8 +44,8 @@ TrainingRay ray_at(const Window& window, int index, int x, int y, bool has_dynam
     ray.depth_prior = frame.depth_prior.at(0, y, x);
     ray.depth_confidence = std::isfinite(ray.depth_prior) ? 1.f : 0.f;
   }
-  const bool next = index + 1 < window.size() && frame.has_flow[0];
-  const bool previous = index > 0 && frame.has_flow[1];
+  const bool next = index + 1 < window.size() && frame.knows_flow(Neighbour::Next);
+  const bool previous = index > 0 && frame.knows_flow(Neighbour::Previous);
   if (next || previous) {  // the picture's motion, the camera's included
     float end[2];
     follow_flow(window, ray, previous ? Neighbour::Previous : Neighbour::Next, end);

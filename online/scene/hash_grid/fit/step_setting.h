@@ -46,8 +46,6 @@ void place_ray(const StepSetting<T>& step, const TrainingRay& target, Pcg32& ran
 }
 
 // The frame that a warping ray looks for its content in: its place in the window.
-inline int neighbour_of(const TrainingRay& ray) {
-  return ray.frame + (ray.toward == Neighbour::Next ? 1 : -1);
-}
+inline int neighbour_of(const TrainingRay& ray) { return neighbour_of(ray.frame, ray.toward); }
 
 }  // namespace hdrcam
