@@ -1,46 +1,55 @@
-// The files of frames that clients still read. Those who ask for one frame share its bytes, and no more than
-// kMost frames are held at once: clients that read slowly can not fill the memory. Thread-bound; what it
-// hands out may be released on any thread.
+// Pictures and files that clients still read. Those who ask for one share its bytes, and only so many are
+// held at once: clients that read slowly can not fill the memory. Thread-bound; what it hands out may be
+// released on any thread.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "firmware_host/web/http_server.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 
+// What tells one file from another.
+struct FileKey {
+  std::uint64_t sequence = 0;  // of its frame
+  double exposure_ev = 0;      // of a picture: brighter by so many stops
+
+  friend bool operator==(const FileKey&, const FileKey&) = default;
+};
+
 class HeldFiles {
  public:
-  static constexpr std::size_t kMost = 4;
+  explicit HeldFiles(std::size_t most) : files_(most) {}
 
-  // Null where nobody reads that frame.
-  HttpBody of(std::uint64_t sequence) const {
+  // The file that others read, else the one that `encode`, of type () -> Result<HttpBody>, makes. Errors:
+  // Busy while as many others are read as are held at most; those of `encode`.
+  template <class Encode>
+  Result<HttpBody> share(const FileKey& key, const Encode& encode) {
     for (const File& file : files_)
-      if (file.sequence == sequence)
+      if (file.key == key)
         if (HttpBody body = file.body.lock()) return body;
-    return nullptr;
-  }
-  bool full() const { return free_place() == files_.end(); }
-  // Not while full.
-  void hold(std::uint64_t sequence, const HttpBody& body) {
-    const auto place = free_place() - files_.begin();
-    files_[static_cast<std::size_t>(place)] = {sequence, body};
+    const auto place = std::ranges::find_if(files_, [](const File& file) { return file.body.expired(); });
+    if (place == files_.end())
+      return Error{ErrorCode::Busy,
+                   fmt::format("{} earlier frames are still being read; ask again", files_.size())};
+    HttpBody body = TRY(encode());
+    *place = {key, body};
+    return body;
   }
 
  private:
   struct File {
-    std::uint64_t sequence = 0;
+    FileKey key;
     std::weak_ptr<const HttpBody::element_type> body = {};
   };
-  using Files = std::array<File, kMost>;
-  Files::const_iterator free_place() const {
-    return std::ranges::find_if(files_, [](const File& file) { return file.body.expired(); });
-  }
 
-  Files files_;
+  std::vector<File> files_;
 };
 
 }  // namespace hdrcam

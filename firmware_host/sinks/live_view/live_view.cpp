@@ -65,6 +65,11 @@ HttpAnswer answer_of(const Error& error) {
   }
 }
 
+// Of a picture or file of a frame: Busy where clients read too many others.
+HttpAnswer no_picture(const Error& error) {
+  return error.code == ErrorCode::Busy ? http_error(503, error.message) : answer_of(error);
+}
+
 HttpAnswer no_camera() { return http_error(409, "this run has no camera"); }
 
 // The JSON object in a body; null where there is none. Errors: Invalid where it names a key twice.
@@ -146,7 +151,7 @@ HttpAnswer LiveView::newest_picture(const HttpRequest& request, const char* type
   if (frame == nullptr) return no_frame();
   if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
   const Result<HttpBody> picture = encode(*frame);
-  if (!picture) return answer_of(picture.error());
+  if (!picture) return no_picture(picture.error());
   return {.type = type, .body = picture.value(), .headers = {sequence_header(*frame)}};
 }
 
@@ -158,7 +163,8 @@ HttpAnswer LiveView::picture(const HttpRequest& request) {
 
 HttpAnswer LiveView::light(const HttpRequest& request) {
   return newest_picture(request, "image/png", [&](const ShownFrame& frame) -> Result<HttpBody> {
-    return lights_.png(frame, TRY(exposure_in(request)));
+    const FileKey key{frame.hdr.facts.sequence, TRY(exposure_in(request))};
+    return light_pictures_.share(key, [&] { return lights_.png(frame, key.exposure_ev); });
   });
 }
 
@@ -166,24 +172,19 @@ HttpAnswer LiveView::exr(const HttpRequest&) {
   const ShownFrame* const frame = newest_.read();
   if (frame == nullptr) return no_frame();
   const std::uint64_t sequence = frame->hdr.facts.sequence;
-  HttpBody file = files_.of(sequence);
-  if (file == nullptr) {
-    if (files_.full())
-      return http_error(503,
-                        fmt::format("{} earlier frames are still being read; ask again", HeldFiles::kMost));
+  const auto file = exr_files_.share({sequence}, [&]() -> Result<HttpBody> {
     ExrSequenceOptions options;
     options.layers.confidence = options.layers.provenance = true;
     options.compression = options_.compression;
     options.framerate_hz = options_.framerate_hz;
     // An Instant that the first frame wrote before it was the newest.
-    auto bytes = encode_frame(frame->hdr, options, *start_);
-    if (!bytes) return answer_of(bytes.error());
-    file = std::make_shared<const std::vector<std::byte>>(std::move(bytes).value());
-    files_.hold(sequence, file);
-  }
+    auto bytes = TRY(encode_frame(frame->hdr, options, *start_));
+    return HttpBody(std::make_shared<const std::vector<std::byte>>(std::move(bytes)));
+  });
+  if (!file) return no_picture(file.error());
   const std::string name = fmt::format("attachment; filename=\"{:06}.exr\"", sequence);
   return {.type = "image/x-exr",
-          .body = std::move(file),
+          .body = file.value(),
           .headers = {sequence_header(*frame), {"Content-Disposition", name}}};
 }
 

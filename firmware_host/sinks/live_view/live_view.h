@@ -78,7 +78,8 @@ class LiveView : public FrameSink {
   std::optional<Instant> start_;        // of the run; written before the first frame is put
   FramePicture pictures_;               // of the server's thread
   LightPicture lights_;                 // of the server's thread
-  HeldFiles files_;                     // of the server's thread
+  HeldFiles light_pictures_{16};        // of the server's thread: 50 MB of 16:9
+  HeldFiles exr_files_{4};              // of the server's thread
   std::unique_ptr<HttpServer> server_;  // last: its thread uses all of them
 };
 

@@ -1,36 +1,61 @@
-// Clients that ask for one frame share its file, and only so many frames are held for those that read slowly.
+// Clients that ask for one picture share it, and only so many are held for those that read slowly.
 #include "firmware_host/sinks/live_view/held_files.h"
+
+#include <string>
+#include <vector>
+
+#include "tests/contracts/expect.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 
+namespace {
+
+Result<HttpBody> share(HeldFiles& files, const FileKey& key, int& encoded) {
+  return files.share(key, [&]() -> Result<HttpBody> { return ++encoded, http_body("a picture"); });
+}
+
+}  // namespace
+
 TEST_CASE("a frame's file is shared as long as somebody reads it") {
-  HeldFiles files;
-  CHECK(files.of(7) == nullptr);
-  HttpBody first = http_body("seven");
-  files.hold(7, first);
-  CHECK(files.of(7) == first);
-  CHECK(files.of(8) == nullptr);
+  HeldFiles files(4);
+  int encoded = 0;
+  HttpBody first = value_of(share(files, {7}, encoded));
+  CHECK(value_of(share(files, {7}, encoded)) == first);
+  CHECK(encoded == 1);
+  CHECK(value_of(share(files, {8}, encoded)) != first);
+  CHECK(value_of(share(files, {7, 1.5}, encoded)) != first);
+  CHECK(encoded == 3);
   first.reset();
-  CHECK(files.of(7) == nullptr);
+  (void)value_of(share(files, {7}, encoded));
+  CHECK(encoded == 4);
 }
 
 TEST_CASE("no more files of frames are held than fit, until one is read to its end") {
-  HeldFiles files;
+  constexpr std::size_t kMost = 4;
+  HeldFiles files(kMost);
+  int encoded = 0;
   std::vector<HttpBody> readers;
-  for (std::uint64_t i = 0; i < HeldFiles::kMost; ++i) {
-    REQUIRE_FALSE(files.full());
-    readers.push_back(http_body(std::string(1, static_cast<char>('a' + i))));
-    files.hold(i, readers.back());
+  for (std::uint64_t i = 0; i < kMost; ++i) readers.push_back(value_of(share(files, {i}, encoded)));
+  for (std::uint64_t i = kMost; i < 64; ++i) {
+    const auto refused = share(files, {i}, encoded);
+    require_error(refused, ErrorCode::Busy);
+    CHECK(refused.error().message == "4 earlier frames are still being read; ask again");
   }
-  CHECK(files.full());
-  CHECK(files.of(2) == readers[2]);
+  CHECK(encoded == kMost);
+  CHECK(value_of(share(files, {2}, encoded)) == readers[2]);
   readers[1].reset();
-  REQUIRE_FALSE(files.full());
-  const HttpBody another = http_body("another");
-  files.hold(9, another);
-  CHECK(files.full());
-  CHECK(files.of(9) == another);
-  CHECK(files.of(0) == readers[0]);
+  const HttpBody another = value_of(share(files, {9}, encoded));
+  require_error(share(files, {10}, encoded), ErrorCode::Busy);
+  CHECK(value_of(share(files, {9}, encoded)) == another);
+  CHECK(value_of(share(files, {0}, encoded)) == readers[0]);
+}
+
+TEST_CASE("a file that is not made is held for nobody") {
+  HeldFiles files(1);
+  const auto fails = [] { return Result<HttpBody>(Error{ErrorCode::Unsupported, "no encoder"}); };
+  require_error(files.share({1}, fails), ErrorCode::Unsupported);
+  int encoded = 0;
+  CHECK(share(files, {1}, encoded).ok());
 }
