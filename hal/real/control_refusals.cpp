@@ -15,7 +15,7 @@ bool may_pass(int code) { return is_held(code) || is_of_bus(code); }
 std::string what_to_do(int code) {
   if (is_held(code))
     return "; stop the program that holds its controls ('hdrcam list' names one that has it open), or plug "
-           "the camera in again";
+           "a USB camera in again";
   if (is_of_bus(code)) return fmt::format("; {}", kCheckCable);
   // the node is open, so this user may use it: the control itself takes no value now
   if (code == EACCES || code == EPERM)

@@ -34,8 +34,10 @@ class DeviceNode {
   std::string path_;
 };
 
-// What to do about some of these errors.
-inline constexpr const char* kCheckCable = "check its cable and its hub, or plug it in again";
+// What to do about some of these errors. The cable is that of a USB camera or the ribbon of a sensor's board,
+// which is not made to be plugged while it has power.
+inline constexpr const char* kCheckCable =
+    "check its cable and hub; plug a USB camera in again, a ribbon cable only with the power off";
 inline constexpr const char* kNoBandwidth =
     "the USB bus has no bandwidth left for it; choose a smaller size, a lower frame rate or MJPEG, or plug "
     "it into another bus";

@@ -62,7 +62,8 @@ Result<void> ExposureControl::set(v4l2_control& control, const char* doing) cons
   Error error = control_error(code, node_->path(), what);
   if (error.code != ErrorCode::Unplugged)
     error.message += fmt::format(
-        "; see with 'v4l2-ctl -d {} -L' what the control takes, plug the camera in again, or choose another",
+        "; see with 'v4l2-ctl -d {} -L' what the control takes, plug a USB camera in again, or choose "
+        "another",
         node_->path());
   return error;
 }

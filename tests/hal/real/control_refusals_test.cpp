@@ -67,10 +67,11 @@ TEST_CASE("a run does not end before three frames were refused, however long the
 }
 
 TEST_CASE("the end of a run by refused exposures says what to do about this refusal") {
-  const std::string cable = "; check its cable and its hub, or plug it in again";
+  const std::string cable =
+      "; check its cable and hub; plug a USB camera in again, a ribbon cable only with the power off";
   const std::string program =
-      "; stop the program that holds its controls ('hdrcam list' names one that has it open), or plug the "
-      "camera in again";
+      "; stop the program that holds its controls ('hdrcam list' names one that has it open), or plug a "
+      "USB camera in again";
   for (const auto& [code, advice] :
        {std::pair{EBUSY, program}, {EIO, cable}, {EPIPE, cable}, {EPROTO, cable}, {ETIMEDOUT, cable}}) {
     RefusedFrames camera{.frame_duration = milliseconds(400)};

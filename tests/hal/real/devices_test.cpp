@@ -147,8 +147,10 @@ TEST_CASE("a USB bus that has no room for a stream is not told of as a full disk
              Catch::StartsWith("camera 'usb-1' cannot start its stream: the USB bus has no bandwidth left"));
 }
 
+// A USB cable or the ribbon of a sensor's board, which is damaged where it is plugged with power on it.
 TEST_CASE("a device whose bus fails says what to check, whichever driver tells it") {
-  const char* const advice = "check its cable and its hub, or plug it in again";
+  const char* const advice =
+      "check its cable and hub; plug a USB camera in again, a ribbon cable only with the power off";
   for (const int code : {EIO, EPROTO, EREMOTEIO, ETIMEDOUT}) {
     CHECK_THAT(device_error(code, "/dev/video5", "deliver a frame").message, Catch::EndsWith(advice));
     CHECK_THAT(libcamera_error(-code, "usb-1", "start its stream").message, Catch::EndsWith(advice));

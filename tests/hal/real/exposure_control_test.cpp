@@ -189,12 +189,12 @@ TEST_CASE("a control that a camera refuses is named, with the value, the device,
     const Result<void> taken = ExposureControl::of_sensor(sensor, "imx219 10-0010").take_over();
     require_error(taken, ErrorCode::Io);
     CHECK(taken.error().sys_errno == code);
-    CHECK(
-        taken.error().message ==
-        fmt::format("'/dev/null' refused to switch its automatic exposure off (control 'Exposure, Auto' to "
-                    "1): {}; see with 'v4l2-ctl -d /dev/null -L' what the control takes, plug the camera in "
-                    "again, or choose another",
-                    std::strerror(code)));
+    CHECK(taken.error().message ==
+          fmt::format(
+              "'/dev/null' refused to switch its automatic exposure off (control 'Exposure, Auto' to "
+              "1): {}; see with 'v4l2-ctl -d /dev/null -L' what the control takes, plug a USB camera in "
+              "again, or choose another",
+              std::strerror(code)));
   }
 }
 
