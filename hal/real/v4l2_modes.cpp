@@ -137,6 +137,16 @@ Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, D
   return is_stated(capture.timeperframe) ? duration_of(capture.timeperframe) : wanted;
 }
 
+// The standards of TV and DV timings belong to inputs that take the signal of another device.
+bool takes_signal(const DeviceNode& video) {
+  int selected = 0;
+  if (video.ask(VIDIOC_G_INPUT, &selected) != 0) return false;
+  v4l2_input input{};
+  input.index = static_cast<std::uint32_t>(selected);
+  constexpr std::uint32_t kOfSignals = V4L2_IN_CAP_STD | V4L2_IN_CAP_DV_TIMINGS;
+  return video.ask(VIDIOC_ENUMINPUT, &input) == 0 && (input.capabilities & kOfSignals) != 0;
+}
+
 }  // namespace
 
 std::vector<PixelSize> sizes_within(const v4l2_frmsize_stepwise& range) {
@@ -167,12 +177,13 @@ Result<V4l2Identity> identify(const DeviceNode& video) {
     identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   if ((can & V4L2_CAP_STREAMING) == 0) identity.queue_type = 0;
   identity.media_controlled = (can & V4L2_CAP_IO_MC) != 0;
+  identity.takes_signal = takes_signal(video);
   return identity;
 }
 
 bool needs_sensor_node(const V4l2Identity& identity, const CameraCapabilities& camera) {
   if (identity.bus.starts_with("usb-") || identity.driver == "v4l2 loopback") return false;
-  return identity.media_controlled || !camera.sets_exposure;
+  return identity.media_controlled || (!identity.takes_signal && !camera.sets_exposure);
 }
 
 std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type) {

@@ -16,10 +16,12 @@ struct V4l2Identity {
   std::string card, driver, bus;
   std::uint32_t queue_type = 0;   // V4L2_BUF_TYPE_VIDEO_CAPTURE or _MPLANE; 0: not a camera
   bool media_controlled = false;  // formats are set along a media graph (V4L2_CAP_IO_MC)
+  bool takes_signal = false;      // its input is a video signal, as that of a capture card
 };
 Result<V4l2Identity> identify(const DeviceNode& video);
 // Whether its formats or its exposure can be set on nodes of a media graph only. A USB camera has all that it
-// lets be set on its capture node, also where its exposure is fixed; a loopback likewise.
+// lets be set on its capture node, also where its exposure is fixed; a loopback likewise. A capture card has
+// no sensor. PCI tells nothing: image processors with sensors are on that bus, too.
 bool needs_sensor_node(const V4l2Identity& identity, const CameraCapabilities& camera);
 
 struct PixelSize {

@@ -204,5 +204,23 @@ TEST_CASE("a camera may have its exposure on a sensor's node, but not one on USB
   CHECK(needs_sensor_node(csi, camera));
 }
 
+TEST_CASE("a capture card, whose input is a video signal, has no sensor, and other devices on its bus may") {
+  const DeviceNode video = node();
+  for (const int input : {0, V4L2_IN_CAP_DV_TIMINGS, V4L2_IN_CAP_STD}) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request == VIDIOC_QUERYCAP) return 0;
+      if (request == VIDIOC_G_INPUT) return *static_cast<int*>(argument) = 1, 0;
+      if (request != VIDIOC_ENUMINPUT) return EINVAL;
+      auto& asked = *static_cast<v4l2_input*>(argument);
+      asked.capabilities = asked.index == 1 ? static_cast<std::uint32_t>(input) : 0;
+      return 0;
+    });
+    const V4l2Identity identity = value_of(identify(video));
+    CAPTURE(input);
+    CHECK(identity.takes_signal == (input != 0));
+    CHECK(needs_sensor_node(identity, CameraCapabilities()) == (input == 0));
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam
