@@ -147,8 +147,8 @@ std::string describe(std::span<const Exposure> cycle) {
 
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera) {
   // A value up to half a step outside the range still rounds into it.
-  const Duration half_line = camera.exposure_step / 2;
-  if (exposure.time < camera.exposure_min - half_line || exposure.time > camera.exposure_max + half_line)
+  const Duration half_step = camera.exposure_step / 2;
+  if (exposure.time < camera.exposure_min - half_step || exposure.time > camera.exposure_max + half_step)
     return Error{ErrorCode::BadExposure,
                  fmt::format("shutter {} is outside what '{}' offers, {} to {}; choose one within",
                              describe(exposure.time), camera.id, describe(camera.exposure_min),
@@ -165,7 +165,8 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
 
   Exposure nearest = exposure;
   if (camera.exposure_step > Duration(1))
-    nearest.time = (exposure.time + half_line) / camera.exposure_step * camera.exposure_step;
+    nearest.time = camera.exposure_min + (exposure.time - camera.exposure_min + half_step) /
+                                             camera.exposure_step * camera.exposure_step;
   nearest.time = std::clamp(nearest.time, camera.exposure_min, camera.exposure_max);
   if (uneven)
     nearest.gain = nearest_of(gains, exposure.gain);

@@ -73,8 +73,9 @@ std::string describe(const Exposure& exposure);
 // Of a cycle: "1 ms, 4 ms, 16 ms".
 std::string describe(std::span<const Exposure> cycle);
 
-// The nearest exposure that the sensor can do: time in whole lines (exposure_step), gain in whole codes
-// (gain_step, or gains). BadExposure where it is outside the sensor's range, naming the range.
+// The nearest exposure that the sensor can do: time in whole steps (exposure_step) above the shortest,
+// gain in whole codes (gain_step, or gains). BadExposure where it is outside the sensor's range, naming the
+// range.
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera);
 
 }  // namespace hdrcam

@@ -103,7 +103,7 @@ struct CameraCapabilities {
   // allows or as its driver always has, or more, as it needs queued to deliver frames at all.
   std::optional<int> buffers;
   Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
-  Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
+  Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // steps begin at min; a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
   double gain_step = 0;                                         // 0: continuous, or as gains says
   // All of them, increasing, where their steps are not alike; empty: gain_step.

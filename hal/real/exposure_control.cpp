@@ -31,8 +31,8 @@ ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
   answer.id = id;
   constexpr std::uint32_t kFixed = V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_READ_ONLY;
   if (ask_again(*node_, VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & kFixed) != 0) return {};
-  return {id, answer.minimum, answer.maximum,
-          std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
+  const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step));
+  return {id, answer.minimum, answer.maximum - (answer.maximum - answer.minimum) % step, step};
 }
 
 std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
@@ -182,7 +182,9 @@ Duration ExposureControl::readout(int height) const {
 void ExposureControl::describe(CameraCapabilities& camera) const {
   camera.sets_exposure = exists();
   if (!exists()) return;
-  const auto lowest = std::max<std::int64_t>(exposure_.min, exposure_.step);
+  const auto steps_to_positive =
+      exposure_.min > 0 ? 0 : (exposure_.step - exposure_.min) / exposure_.step;  // 0 is no exposure
+  const auto lowest = exposure_.min + steps_to_positive * exposure_.step;
   const auto duration = [&](std::int64_t code) {
     return Duration(std::llround(static_cast<double>(code) * unit_ns_));
   };

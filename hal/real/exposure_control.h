@@ -58,8 +58,8 @@ class ExposureControl {
 
  private:
   struct Control {
-    std::uint32_t id = 0;  // 0: the device has none that can be set
-    std::int64_t min = 0, max = 0, step = 1;
+    std::uint32_t id = 0;                     // 0: the device has none that can be set
+    std::int64_t min = 0, max = 0, step = 1;  // max: whole steps above min
   };
   explicit ExposureControl(const DeviceNode& node) : node_(&node) {}
   Control query(std::uint32_t id) const;

@@ -95,6 +95,15 @@ TEST_CASE("exposures are those that the sensor can do", "[capture]") {
   CHECK(quantised({4009us, 1.13}, continuous).value() == Exposure{4009us, 1.13});
 }
 
+TEST_CASE("the exposures that a sensor can do are whole steps above its shortest", "[capture]") {
+  CameraCapabilities camera = sensor();
+  camera.exposure_min = 300us, camera.exposure_step = 500us;
+  CHECK(quantised({1ms, 1}, camera).value().time == 800us);
+  CHECK(quantised({1100us, 1}, camera).value().time == 1300us);
+  CHECK(quantised({60us, 1}, camera).value().time == 300us);
+  CHECK_FALSE(quantised({40us, 1}, camera).ok());
+}
+
 TEST_CASE("a gain whose steps grow with it becomes the nearest one that the sensor has", "[capture]") {
   CameraCapabilities camera = sensor();
   camera.gain_step = 0;

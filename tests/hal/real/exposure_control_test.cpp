@@ -29,9 +29,12 @@ struct SensorDriver {
                                                {V4L2_CID_PIXEL_RATE, 24'000'000}};
   std::set<std::uint32_t> fixed{V4L2_CID_HBLANK, V4L2_CID_PIXEL_RATE};  // that can only be read
   std::int64_t least_gain = 1;                                          // code
-  std::int64_t blanking_step = 1;                                       // lines
+  std::int64_t blanking_step = 1, exposure_step = 1;                    // lines
 
-  std::int64_t step(std::uint32_t id) const { return id == V4L2_CID_VBLANK ? blanking_step : 1; }
+  std::int64_t step(std::uint32_t id) const {
+    if (id == V4L2_CID_EXPOSURE) return exposure_step;
+    return id == V4L2_CID_VBLANK ? blanking_step : 1;
+  }
   std::int64_t most(std::uint32_t id) const {
     if (id == V4L2_CID_ANALOGUE_GAIN) return 232;
     return id == V4L2_CID_EXPOSURE ? kHeight + values.at(V4L2_CID_VBLANK) - 4 : 100'000'000;
@@ -204,6 +207,24 @@ TEST_CASE("the limits of a sensor's exposure are times before it is configured, 
   CHECK(camera.exposure_step == Duration(33'333));
   CHECK(camera.exposure_min == Duration(33'333));
   CHECK(camera.exposure_max == Duration(49'200'000));  // 480 + 1000 - 4 of them
+}
+
+TEST_CASE("the exposures of a sensor are steps that begin at its shortest, and each is set as it is told") {
+  SensorDriver driver;
+  driver.exposure_step = 16;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  const ExposureControl control = ExposureControl::of_sensor(sensor, "imx219 10-0010");
+  CameraCapabilities camera;
+  control.describe(camera);
+  CHECK(camera.exposure_min == Duration(33'333));      // a line
+  CHECK(camera.exposure_max == Duration(49'100'000));  // 1 + 92 * 16 of them: 1476 are no whole steps
+  CHECK(camera.exposure_step == Duration(533'333));
+  for (const int steps : {0, 1, 30, 92}) {
+    require_done(control.write({.exposure = camera.exposure_min + steps * camera.exposure_step}));
+    CHECK(driver.values[V4L2_CID_EXPOSURE] == 1 + 16 * steps);
+  }
 }
 
 TEST_CASE("the gains of a sensor are those of its codes, whose steps grow with the gain") {
