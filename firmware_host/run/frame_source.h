@@ -8,7 +8,7 @@
 
 #include "capture/exposure_limits.h"
 #include "firmware_host/run/backlog.h"
-#include "firmware_host/run/progress.h"
+#include "firmware_host/run/progress_state.h"
 #include "firmware_host/run_pace.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/run_record.h"

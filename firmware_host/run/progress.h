@@ -7,27 +7,13 @@
 #include <future>
 #include <mutex>
 #include <optional>
-#include <string>
 
+#include "firmware_host/run/frame_source.h"
+#include "firmware_host/run/progress_state.h"
 #include "firmware_host/status_line.h"
 #include "hal/core/result.h"
 
 namespace hdrcam {
-
-class FrameSource;
-
-struct ProgressState {
-  int done = 0;
-  std::optional<int> total;    // none while the length of the clip is unknown
-  double ms_per_frame = 0;     // recent
-  std::optional<double> loss;  // none without the fit
-
-  // One more frame is done.
-  void frame_done(double ms, std::optional<double> its_loss);
-};
-
-// The text, without a line end.
-std::string progress_line(const ProgressState& state);
 
 class Progress {
  public:
