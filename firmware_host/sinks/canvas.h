@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/sinks/rgb.h"
 #include "hal/core/image.h"
 
 namespace hdrcam {

@@ -12,6 +12,7 @@
 #include "firmware_host/signed_text.h"
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/provenance_palette.h"
 #include "hal/core/quantile.h"
 #include "render/png.h"
 

@@ -3,17 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 
+#include "firmware_host/sinks/rgb.h"
 #include "render/hdr_frame.h"
 
 namespace hdrcam {
-
-struct Rgb {
-  std::uint8_t r = 0, g = 0, b = 0;
-
-  friend bool operator==(const Rgb&, const Rgb&) = default;
-};
 
 struct ProvenanceLook {
   Provenance provenance;

@@ -20,6 +20,4 @@ std::string report_html(const RunRecord& record, std::span<const std::byte> cont
 // outlives the sink.
 Result<std::unique_ptr<FrameSink>> create_report(Storage& storage, const std::string& path);
 
-std::string base64(std::span<const std::byte> bytes);  // RFC 4648, with padding
-
 }  // namespace hdrcam

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware_host/sinks/canvas.h"
+#include "firmware_host/sinks/provenance_palette.h"
 #include "render/jpeg.h"
 #include "render/srgb.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "firmware_host/sinks/live_view/newest_frame.h"
-#include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/sinks/rgb.h"
 #include "firmware_host/web/http_server.h"
 #include "render/tone_curve.h"
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "firmware_host/sinks/exr_sequence.h"
+#include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/live_page.h"
 #include "hal/core/counted.h"

@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/contact_sheet.h"
 #include "firmware_host/sinks/preview.h"
+#include "firmware_host/sinks/provenance_palette.h"
 #include "tests/firmware_host/sinks/example_frames.h"
 #include "tests/hal/recording/sample_recordings.h"
 

@@ -147,14 +147,6 @@ TEST_CASE("a bar of several frames is their mean time, also where a stage did no
   CHECK(time_chart(10, 0) == time_chart(5, 5));
 }
 
-TEST_CASE("base64 is that of RFC 4648") {
-  CHECK(base64(bytes_of("")).empty());
-  CHECK(base64(bytes_of("f")) == "Zg==");
-  CHECK(base64(bytes_of("fo")) == "Zm8=");
-  CHECK(base64(bytes_of("foo")) == "Zm9v");
-  CHECK(base64(bytes_of("foobar")) == "Zm9vYmFy");
-}
-
 TEST_CASE("ticks are round and lie within the axis") {
   CHECK(round_ticks(0, 10, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
   CHECK(round_ticks(-12, 0, 5) == std::vector<double>{-10, -5, 0});
