@@ -6,25 +6,25 @@
 #include <cstddef>
 #include <optional>
 
+#include "hal/core/big_endian.h"
+
 namespace hdrcam {
 namespace {
 
 using Xyz = std::array<double, 3>;  // relative to D50, as profiles have it
 
-std::optional<std::uint32_t> big_endian(std::span<const std::uint8_t> profile, std::size_t at) {
+std::optional<std::uint32_t> number_at(std::span<const std::uint8_t> profile, std::size_t at) {
   if (profile.size() < 4 || at > profile.size() - 4) return std::nullopt;
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | profile[at + i];
-  return value;
+  return static_cast<std::uint32_t>(big_endian(std::as_bytes(profile.subspan(at, 4))));
 }
 
 // The tag table, 7.3: behind the header of 128 bytes their number, then signature, place and size of each.
 std::optional<std::size_t> place_of(std::span<const std::uint8_t> profile, std::uint32_t signature) {
   constexpr std::size_t kHeaderBytes = 128, kEntryBytes = 12;
-  const auto tags = big_endian(profile, kHeaderBytes);
+  const auto tags = number_at(profile, kHeaderBytes);
   for (std::size_t i = 0; tags && i < *tags; ++i) {
     const std::size_t entry = kHeaderBytes + 4 + kEntryBytes * i;
-    const auto here = big_endian(profile, entry), place = big_endian(profile, entry + 4);
+    const auto here = number_at(profile, entry), place = number_at(profile, entry + 4);
     if (!here || !place) return std::nullopt;
     if (*here == signature) return *place;
   }
@@ -37,7 +37,7 @@ std::optional<Xyz> colorant(std::span<const std::uint8_t> profile, std::uint32_t
   if (!place) return std::nullopt;
   Xyz xyz{};
   for (std::size_t i = 0; i < xyz.size(); ++i) {
-    const auto number = big_endian(profile, *place + 8 + 4 * i);
+    const auto number = number_at(profile, *place + 8 + 4 * i);
     if (!number) return std::nullopt;
     xyz[i] = static_cast<std::int32_t>(*number) / 65536.0;
   }

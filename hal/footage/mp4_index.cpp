@@ -6,16 +6,9 @@
 #include <span>
 #include <string_view>
 
+#include "hal/core/big_endian.h"
+
 namespace hdrcam {
-namespace {
-
-std::uint64_t big_endian(std::span<const std::byte> bytes) {
-  std::uint64_t value = 0;
-  for (const std::byte byte : bytes) value = value << 8 | std::to_integer<std::uint64_t>(byte);
-  return value;
-}
-
-}  // namespace
 
 // 4.2: a box begins with its size, which counts itself, in 32 bits, and its type. A size of 1 stands for one
 // of 64 bits behind the type, 0 for all that follows.

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "hal/core/big_endian.h"
 #include "hal/recording/matroska.h"
 
 namespace hdrcam {
@@ -25,12 +26,6 @@ constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
 constexpr std::byte kTrackOfPixels{0x81 + matroska::kPixelTrack}, kTrackOfFacts{0x81 + matroska::kFactsTrack};
 constexpr std::size_t kMostHead = 19;  // bytes: identifier and size of a group and of its block, the track
 
-std::uint64_t number(std::span<const std::byte> bytes) {
-  std::uint64_t value = 0;
-  for (const std::byte byte : bytes) value = value << 8 | std::to_integer<std::uint64_t>(byte);
-  return value;
-}
-
 }  // namespace
 
 // An identifier and a size, both with a length in leading zeros; nullopt for what cannot be one that ends by
@@ -42,7 +37,7 @@ std::optional<ClusterScan::Element> ClusterScan::element_in(std::span<const std:
   if (id_length > 4 || id_length > bytes.size()) return {};
   const auto size = matroska::size_in(bytes.subspan(id_length));
   if (!size) return {};
-  const Element element{number(bytes.first(id_length)), size->bytes, at + id_length + size->length};
+  const Element element{big_endian(bytes.first(id_length)), size->bytes, at + id_length + size->length};
   if (element.content > end || element.size > end - element.content) return {};
   return element;
 }

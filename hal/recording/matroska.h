@@ -9,6 +9,8 @@
 #include <optional>
 #include <span>
 
+#include "hal/core/big_endian.h"
+
 namespace hdrcam::matroska {
 
 // The first bytes of every Matroska file: the identifier of an EBML header.
@@ -33,10 +35,9 @@ inline std::optional<ElementSize> size_in(std::span<const std::byte> bytes) {
   if (bytes.empty()) return {};
   const std::size_t length = length_by(bytes.front());
   if (length > 8 || length > bytes.size()) return {};
-  std::uint64_t size = std::to_integer<std::uint64_t>(bytes.front()) & (0xffu >> length);
-  for (const std::byte byte : bytes.subspan(1, length - 1))
-    size = size << 8 | std::to_integer<std::uint64_t>(byte);
-  if (size == (std::uint64_t{1} << (7 * length)) - 1) return {};
+  const std::uint64_t all_ones = (std::uint64_t{1} << (7 * length)) - 1;  // behind the length's marker
+  const std::uint64_t size = big_endian(bytes.first(length)) & all_ones;
+  if (size == all_ones) return {};
   return ElementSize{size, length};
 }
 
