@@ -7,6 +7,7 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 
 #include "hal/core/counted.h"
@@ -146,6 +147,19 @@ void configure(RecordingCodec codec, const CameraFacts& camera, AVCodecContext& 
   av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
 }
 
+// FFmpeg's Huffyuv sizes the packet of a picture for the worst case, 12 bytes a pixel, in 31 bits: a larger
+// picture would fail in the run, at its first frame.
+Result<void> check_packet(RecordingCodec codec, const CameraFacts& camera) {
+  constexpr std::int64_t kBytesPerPixel = 12;
+  constexpr std::int64_t kMost_px =
+      (INT_MAX - AV_INPUT_BUFFER_MIN_SIZE - AV_INPUT_BUFFER_PADDING_SIZE) / kBytesPerPixel;
+  if (codec != RecordingCodec::Huffyuv || std::int64_t{camera.width} * camera.height <= kMost_px) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("Huffyuv holds pictures of up to {} megapixels, not {}x{}; choose "
+                           "--record-codec ffv1, or a smaller size",
+                           kMost_px / 1'000'000, camera.width, camera.height)};
+}
+
 Error corrupt(const char* what, int code) {
   return {ErrorCode::Corrupt, fmt::format("{}: {}", what, libav::words(code))};
 }
@@ -174,6 +188,7 @@ Result<void> check_recordable(const CameraFacts& camera) {
 
 Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, RecordingCodec recording) {
   libav::be_quiet();
+  TRY(check_packet(recording, camera));
   PictureEncoder encoder;
   encoder.codec_ = recording;
   encoder.bits_ = camera.bits;

@@ -51,6 +51,15 @@ TEST_CASE("FFV1 takes pictures that are too large for four slices") {
   }
 }
 
+TEST_CASE("a picture that is too large for Huffyuv is refused before the run, with a codec that holds it") {
+  const auto refused =
+      PictureEncoder::open(sample::camera(PixelLayout::Mono, 8, 16384, 10923), RecordingCodec::Huffyuv);
+  require_error(refused, ErrorCode::Invalid);
+  CHECK(refused.error().message ==
+        "Huffyuv holds pictures of up to 178 megapixels, not 16384x10923; choose --record-codec ffv1, or a "
+        "smaller size");
+}
+
 TEST_CASE("FFV1 keeps pictures that are short and wide, or narrow and high") {
   for (const auto& [width, height] : {std::pair{640, 60}, {4, 353}, {63, 289}, {352, 63}, {63, 288}}) {
     CAPTURE(width, height);
