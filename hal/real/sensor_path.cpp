@@ -4,6 +4,7 @@
 #include <linux/videodev2.h>
 
 #include <algorithm>
+#include <cerrno>
 
 #include "hal/pixel_format_table.h"
 #include "hal/real/v4l2_formats.h"
@@ -56,7 +57,9 @@ Result<StreamMode> set_format_along(const std::vector<SubdevicePad>& path, const
     format.format.width = static_cast<std::uint32_t>(mode.width);
     format.format.height = static_cast<std::uint32_t>(mode.height);
     format.format.code = bus_code_of(mode.format), format.format.field = V4L2_FIELD_NONE;
-    TRY(node.demand(VIDIOC_SUBDEV_S_FMT, &format, "take the picture format"));
+    const int code = node.ask(VIDIOC_SUBDEV_S_FMT, &format);
+    if (code == EPERM) return wanted;  // a read-only node: the receiver sets it when it gets its own format
+    if (code != 0) return device_error(code, node.path(), "take the picture format");
     if (&pad != &path.front()) continue;
     mode.width = static_cast<int>(format.format.width), mode.height = static_cast<int>(format.format.height);
   }

@@ -18,7 +18,8 @@ std::vector<StreamMode> modes_of_sensor(const DeviceNode& sensor, std::uint32_t 
                                         const std::vector<StreamMode>& of_receiver);
 
 // Sets the picture's format on every pad between the sensor and the receiver, which starts only if they
-// agree. Returns the mode in the size that the sensor took, the nearest that it has.
+// agree. Returns the mode in the size that the sensor took, the nearest that it has. Receivers that set these
+// formats themselves make the nodes read-only (V4L2_SUBDEV_CAP_RO_SUBDEV): the mode stays as it is.
 Result<StreamMode> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& wanted);
 
 }  // namespace hdrcam

@@ -95,5 +95,23 @@ TEST_CASE("every pad behind a sensor gets the size that the sensor took") {
   CHECK(has.width == 3280);
 }
 
+TEST_CASE("a sensor whose receiver sets its format, so that its node is read-only, is left to the receiver") {
+  int asked = 0;
+  const test::AnsweredIoctl kernel([&](unsigned long, void*) { return ++asked, EPERM; });
+  const std::vector<SubdevicePad> path{{"/dev/null", 0}, {"/dev/null", 1}};
+  const StreamMode mode =
+      value_of(set_format_along(path, {.format = PixelFormat::Rggb10, .width = 1000, .height = 700}));
+  CHECK(asked == 1);
+  CHECK(mode.width == 1000);
+  CHECK(mode.height == 700);
+}
+
+TEST_CASE("a sensor that does not take a format is told of, with its node") {
+  const test::AnsweredIoctl kernel([](unsigned long, void*) { return EBUSY; });
+  const auto refused = set_format_along({{"/dev/null", 0}}, {.format = PixelFormat::Rggb10, .width = 1000});
+  require_error(refused, ErrorCode::Busy);
+  CHECK_THAT(refused.error().message, Catch::StartsWith("'/dev/null' is in use by"));
+}
+
 }  // namespace
 }  // namespace hdrcam
