@@ -458,7 +458,6 @@ TEST_CASE("of two slots with one exposure the request tells which it was", "[cap
   }
 }
 
-}  // namespace
 TEST_CASE("under a rolling shutter the time of a frame is the middle of its middle row's exposure") {
   const Instant stamp{100ms};
   MatchedFrame frame;
@@ -471,4 +470,5 @@ TEST_CASE("under a rolling shutter the time of a frame is the middle of its midd
   CHECK(frame.centre(4ms, 12ms) == stamp + 9ms);
 }
 
+}  // namespace
 }  // namespace hdrcam
