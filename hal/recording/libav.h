@@ -7,12 +7,14 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <new>
 #include <string>
 
+#include "hal/core/check.h"
 #include "hal/core/result.h"
 
 namespace hdrcam::libav {
@@ -22,6 +24,12 @@ template <class T>
 T* allocated(T* memory) {
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
+}
+
+// The return code of a function that fails without memory alone; see allocated().
+inline void check_memory(int code) {
+  if (code == AVERROR(ENOMEM)) throw std::bad_alloc();
+  HDRCAM_CHECK(code >= 0);
 }
 
 struct Free {
@@ -61,14 +69,13 @@ inline bool is_interlaced(const AVFrame& frame) { return frame.interlaced_frame 
 // Whether a stream's side data is with its codec parameters, as from 6.1 on, or with the stream itself.
 #define HDRCAM_LIBAV_CODED_SIDE_DATA (LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 16, 100))
 
-// `data`, from av_malloc, belongs to the stream then. False: no memory.
-inline bool add_side_data(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size) {
+// `data`, from av_malloc, belongs to the stream then.
+inline void add_side_data(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size) {
 #if HDRCAM_LIBAV_CODED_SIDE_DATA
   AVCodecParameters& codec = *stream.codecpar;
-  return av_packet_side_data_add(&codec.coded_side_data, &codec.nb_coded_side_data, type, data, size, 0) !=
-         nullptr;
+  allocated(av_packet_side_data_add(&codec.coded_side_data, &codec.nb_coded_side_data, type, data, size, 0));
 #else
-  return av_stream_add_side_data(&stream, type, static_cast<std::uint8_t*>(data), size) >= 0;
+  check_memory(av_stream_add_side_data(&stream, type, static_cast<std::uint8_t*>(data), size));
 #endif
 }
 

@@ -110,7 +110,7 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
 
 void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
   AVStream* track = libav::allocated(avformat_new_stream(muxer_.get(), nullptr));
-  HDRCAM_CHECK(avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
+  libav::check_memory(avcodec_parameters_from_context(track->codecpar, encoder_.context()));
   // Matroska pads the head of Huffyuv to an even size. The zero is there: behind such data FFmpeg keeps
   // zeros.
   if (encoder_.codec() == RecordingCodec::Huffyuv)
@@ -169,7 +169,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
 Result<void> MatroskaWriter::write_facts(const std::string& sealed) {
   AVPacket* packet = facts_packet_.get();
   av_packet_unref(packet);
-  HDRCAM_CHECK(av_new_packet(packet, static_cast<int>(sealed.size())) >= 0);
+  TRY(checked(av_new_packet(packet, static_cast<int>(sealed.size())), "write the facts of a frame"));
   std::memcpy(packet->data, sealed.data(), sealed.size());
   packet->stream_index = matroska::kFactsTrack;
   packet->pts = packet->dts = pts_ms_;

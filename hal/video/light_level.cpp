@@ -60,14 +60,13 @@ void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel&
   mastering->min_luminance = luminance(display.black_nits);
   mastering->max_luminance = luminance(display.peak_nits);
   mastering->has_primaries = mastering->has_luminance = 1;
-  HDRCAM_CHECK(
-      libav::add_side_data(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA, mastering, sizeof *mastering));
+  libav::add_side_data(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA, mastering, sizeof *mastering);
 
   std::size_t size = 0;
   AVContentLightMetadata* light = libav::allocated(av_content_light_metadata_alloc(&size));
   light->MaxCLL = static_cast<unsigned>(level.most_nits);
   light->MaxFALL = static_cast<unsigned>(level.most_mean_nits);
-  HDRCAM_CHECK(libav::add_side_data(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL, light, size));
+  libav::add_side_data(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL, light, size);
 }
 
 std::string x265_parameters(const MasteringDisplay& display) {

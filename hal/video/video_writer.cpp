@@ -186,14 +186,14 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
   frame_->color_primaries = encoder.color_primaries, frame_->color_trc = encoder.color_trc;
   frame_->colorspace = encoder.colorspace, frame_->color_range = encoder.color_range;
   frame_->pts = -1;
-  HDRCAM_CHECK(av_frame_get_buffer(frame_.get(), PictureConverter::kAlignment_bytes) >= 0);
+  libav::check_memory(av_frame_get_buffer(frame_.get(), PictureConverter::kAlignment_bytes));
   return {};
 }
 
 Result<void> VideoWriter::write_header(const VideoFormat& format) {
   AVFormatContext& muxer = *muxer_;
   AVStream* stream = libav::allocated(avformat_new_stream(&muxer, nullptr));
-  HDRCAM_CHECK(avcodec_parameters_from_context(stream->codecpar, encoder_.get()) >= 0);
+  libav::check_memory(avcodec_parameters_from_context(stream->codecpar, encoder_.get()));
   stream->time_base = format.container == VideoContainer::Y4m ? encoder_->time_base : kMicroseconds;
   stream->avg_frame_rate = encoder_->framerate;
   if (is_mp4(format.container) && format.codec == VideoCodec::Hevc)
@@ -214,7 +214,7 @@ Result<void> VideoWriter::write_header(const VideoFormat& format) {
     av_opt_set_int(muxer.priv_data, "write_crc32", 0, 0);  // finish() changes what they would cover
 
   // The header first into memory, so that it is known where it states what finish() may have to change.
-  HDRCAM_CHECK(avio_open_dyn_buf(&muxer.pb) >= 0);
+  libav::check_memory(avio_open_dyn_buf(&muxer.pb));
   const int code = avformat_write_header(&muxer, nullptr);
   std::uint8_t* bytes = nullptr;
   const int size = avio_close_dyn_buf(std::exchange(muxer.pb, stream_.context()), &bytes);
@@ -237,7 +237,7 @@ Result<void> VideoWriter::checked(int code, const char* what) {
 }
 
 PicturePlanes VideoWriter::planes() {
-  HDRCAM_CHECK(av_frame_make_writable(frame_.get()) >= 0);
+  libav::check_memory(av_frame_make_writable(frame_.get()));
   PicturePlanes planes;
   for (std::size_t i = 0; i < 3; ++i)
     planes.data[i] = frame_->data[i], planes.stride_bytes[i] = frame_->linesize[i];
