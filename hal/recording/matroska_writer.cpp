@@ -7,6 +7,7 @@ extern "C" {
 #include <climits>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "hal/core/sound_facts.h"
 #include "hal/recording/facts_json.h"
@@ -41,7 +42,8 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> write_header(const CameraFacts& camera);
   void add_pixel_track(const CameraFacts& camera);
   void add_facts_track();
-  Result<void> write_facts(const std::string& sealed);
+  void pack_facts(const std::string& sealed);
+  Result<void> write_facts();
   Result<void> end_cluster();
   Result<void> take_name();
   Result<void> checked(int code, const char* what);
@@ -154,28 +156,32 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   if (frames_ > 0) pts_ms_ = std::max(pts_ms_ + 1, std::int64_t{since_first});
   const std::string facts =
       seal(to_json(frames_, frame.facts, bits_), {picture->data, static_cast<std::size_t>(picture->size)});
+  pack_facts(facts);  // where memory ends, before the first byte: a picture without its facts is no frame
 
   picture->stream_index = matroska::kPixelTrack;
   picture->pts = picture->dts = pts_ms_;
   picture->duration = frame_ms_;
   TRY(checked(av_write_frame(muxer_.get(), picture), "write a frame"));
-  TRY(write_facts(facts));
+  TRY(write_facts());
   TRY(end_cluster());
   if (frames_++ == 0) TRY(take_name());
   before_ = frame.facts;
   return now - synced_ >= kSyncInterval ? (synced_ = now, sync()) : Result<void>();
 }
 
-Result<void> MatroskaWriter::write_facts(const std::string& sealed) {
+void MatroskaWriter::pack_facts(const std::string& sealed) {
   AVPacket* packet = facts_packet_.get();
   av_packet_unref(packet);
-  TRY(checked(av_new_packet(packet, static_cast<int>(sealed.size())), "write the facts of a frame"));
+  if (av_new_packet(packet, static_cast<int>(sealed.size())) < 0) throw std::bad_alloc();
   std::memcpy(packet->data, sealed.data(), sealed.size());
   packet->stream_index = matroska::kFactsTrack;
   packet->pts = packet->dts = pts_ms_;
   packet->duration = frame_ms_;
   packet->flags |= AV_PKT_FLAG_KEY;
-  return checked(av_write_frame(muxer_.get(), packet), "write the facts of a frame");
+}
+
+Result<void> MatroskaWriter::write_facts() {
+  return checked(av_write_frame(muxer_.get(), facts_packet_.get()), "write the facts of a frame");
 }
 
 Result<void> MatroskaWriter::end_cluster() {
@@ -203,7 +209,8 @@ Result<void> MatroskaWriter::finish() {
   if (finished_) return {};
   if (making_ && frames_ == 0) return {};  // it has no name
   if (frames_ > 0) pts_ms_ += frame_ms_;
-  TRY(write_facts(seal(end_record_json(frames_), {})));
+  pack_facts(seal(end_record_json(frames_), {}));
+  TRY(write_facts());
   TRY(end_cluster());
   finished_ = true;
   const int code = av_write_trailer(muxer_.get());
