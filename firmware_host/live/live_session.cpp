@@ -5,6 +5,7 @@
 
 #include "hal/clock.h"
 #include "hal/core/thread_name.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -48,7 +49,7 @@ std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWrit
   return std::make_shared<Recorder>(std::move(recording), pool_.size(), written, options_.trace);
 }
 
-LiveSession::~LiveSession() { (void)finish(); }
+LiveSession::~LiveSession() { end(); }
 
 Result<void> LiveSession::start(const std::atomic<bool>& stop) {
   TRY(capture_.start());
@@ -59,24 +60,31 @@ Result<void> LiveSession::start(const std::atomic<bool>& stop) {
 
 void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   name_this_thread("capture");
-  while (!ending_) {
-    if (const auto why = reason_to_end(stop)) {
-      why_ = *why;
-      break;
-    }
-    capture_result_ = capture_one();
-    if (!capture_result_) break;
-    if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
-  }
-  const Result<void> stopped = capture_.stop();
-  capture_.settle_trigger();
-  if (capture_result_) capture_result_ = stopped;
+  Result<void> stopped;
+  thrown_ = thrown_by([&] { capture_result_ = capture_until_end(stop); });
+  const std::exception_ptr thrown_at_end = thrown_by([&] {
+    stopped = capture_.stop();
+    capture_.settle_trigger();
+  });
+  if (capture_result_ && thrown_ == nullptr) capture_result_ = stopped, thrown_ = thrown_at_end;
   {
     const std::lock_guard lock(mutex_);
     counters_.ended = true;
     if (auto wanted = std::exchange(wanted_cycle_, std::nullopt)) wanted->done.set_value(no_further_frame());
   }
   inbox_.close();
+}
+
+Result<void> LiveSession::capture_until_end(const std::atomic<bool>& stop) {
+  while (!ending_) {
+    if (const auto why = reason_to_end(stop)) {
+      why_ = *why;
+      break;
+    }
+    TRY(capture_one());
+    if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
+  }
+  return {};
 }
 
 Result<void> LiveSession::next_frame(CapturedFrame& captured) {
@@ -169,7 +177,7 @@ std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop)
   {
     const std::lock_guard lock(mutex_);
     for (const auto* recorder : {recorder_.get(), completing_.get()})
-      if (recorder != nullptr && !recorder->outcome()) return LiveEnd::Stopped;
+      if (recorder != nullptr && recorder->failed()) return LiveEnd::Stopped;
   }
   if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout)
     return LiveEnd::Timeout;
@@ -201,27 +209,34 @@ Result<void> LiveSession::finish_recordings() {
     const std::lock_guard lock(mutex_);
     recorders[0] = completing_, recorders[1] = recorder_;
   }
+  for (const auto& recorder : recorders)
+    if (recorder != nullptr) recorder->complete();  // each, before one throws
   Result<void> first;
   for (const auto& recorder : recorders)
     if (recorder != nullptr)
-      if (const Result<void> finished = recorder->finish(); first && !finished) first = finished;
+      if (const Result<void> recorded = recorder->outcome(); first && !recorded) first = recorded;
   return first;
 }
 
-Result<LiveEnd> LiveSession::finish() {
-  if (!finished_) {
-    finished_ = true;
-    ending_ = true;
-    if (thread_.joinable()) thread_.join();
-    while (inbox_.take(Duration::zero()).frame) {
-    }
-    const Result<void> recorded = finish_recordings();
-    const std::lock_guard lock(mutex_);
-    count_camera();
-    counters_.unfinished += std::exchange(counters_.in_fit, 0);
-    counters_.unwritten += std::exchange(counters_.to_record, 0);
-    if (!recorded) capture_result_ = recorded;
+void LiveSession::end() {
+  if (std::exchange(finished_, true)) return;
+  ending_ = true;
+  if (thread_.joinable()) thread_.join();
+  while (inbox_.take(Duration::zero()).frame) {
   }
+  Result<void> recorded;
+  const std::exception_ptr not_recorded = thrown_by([&] { recorded = finish_recordings(); });
+  const std::lock_guard lock(mutex_);
+  count_camera();
+  counters_.unfinished += std::exchange(counters_.in_fit, 0);
+  counters_.unwritten += std::exchange(counters_.to_record, 0);
+  if (!recorded) capture_result_ = recorded;
+  if (not_recorded != nullptr) thrown_ = not_recorded;
+}
+
+Result<LiveEnd> LiveSession::finish() {
+  end();
+  if (thrown_ != nullptr) std::rethrow_exception(thrown_);
   if (!capture_result_) return capture_result_.error();
   return why_;
 }

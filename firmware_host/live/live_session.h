@@ -12,6 +12,7 @@
 
 #include <array>
 #include <atomic>
+#include <exception>
 #include <functional>
 #include <future>
 #include <memory>
@@ -76,7 +77,7 @@ class LiveSession {
  public:
   // The camera and its stage belong to the session until it is finished. recording: may be null.
   LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording, const LiveOptions& options);
-  ~LiveSession();  // like finish(), but ignores the result
+  ~LiveSession();  // like finish(), but without its result
 
   // Capture ends between two frames, however busy the fit is: all frames came, the time is up, `stop` was
   // set, or something failed. `stop` outlives the session. Errors: those of starting the camera.
@@ -92,7 +93,9 @@ class LiveSession {
   // Records that a frame that the fit took does not become one.
   void left_out();
   // Stops the camera, if it still runs, and completes the recording. Errors: those of the camera (Unplugged,
-  // Timeout...) or of the recording that ended the run; frames captured before are recorded even then.
+  // Timeout...) or of the recording that ended the run; frames captured before are recorded even then. What
+  // capture or recording threw on its thread, such as std::bad_alloc, ends the run likewise and is thrown
+  // here.
   Result<LiveEnd> finish();
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
@@ -130,10 +133,12 @@ class LiveSession {
   enum class StartedBy { Run, Person };
 
   void capture_frames(const std::atomic<bool>& stop);
+  Result<void> capture_until_end(const std::atomic<bool>& stop);
   Result<void> capture_one();
   Result<void> next_frame(CapturedFrame& captured);
   Result<void> may_record_under_lock() const;
   Result<void> finish_recordings();
+  void end();
   void count_camera();
   void hand_on(FrameShare frame);
   void count_shed(int frames);
@@ -154,8 +159,9 @@ class LiveSession {
   std::atomic<bool> ending_{false};  // ends after the frame that it waits for
   Instant begin_;
   bool finished_ = false;
-  LiveEnd why_ = LiveEnd::Frames;  // with the next, the capturing thread's, until it is joined
+  LiveEnd why_ = LiveEnd::Frames;  // with the next two, the capturing thread's, until it is joined
   Result<void> capture_result_;
+  std::exception_ptr thrown_;
 
   mutable std::mutex mutex_;  // guards the members below
   LiveCounters counters_;

@@ -1,6 +1,7 @@
 #include "firmware_host/live/recorder.h"
 
 #include "hal/core/thread_name.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 
@@ -15,13 +16,13 @@ Recorder::Recorder(std::unique_ptr<RecordingWriter> recording, int frames, std::
         work();
       }) {}
 
-Recorder::~Recorder() { (void)finish(); }
+Recorder::~Recorder() { complete(); }
 
 bool Recorder::put(FrameShare frame) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return false;
-    if (!result_) return true;
+    if (has_failed()) return true;
     HDRCAM_CHECK_LT(count_, ring_.size());
     ring_[(begin_ + count_++) % ring_.size()] = std::move(frame);
   }
@@ -37,8 +38,14 @@ void Recorder::close() {
   changed_.notify_one();
 }
 
+bool Recorder::failed() const {
+  const std::lock_guard lock(mutex_);
+  return has_failed();
+}
+
 Result<void> Recorder::outcome() const {
   const std::lock_guard lock(mutex_);
+  if (thrown_ != nullptr) std::rethrow_exception(thrown_);
   return result_;
 }
 
@@ -47,10 +54,9 @@ bool Recorder::ended() const {
   return ended_;
 }
 
-Result<void> Recorder::finish() {
+void Recorder::complete() {
   close();
   if (thread_.joinable()) thread_.join();
-  return result_;
 }
 
 FrameShare Recorder::next() {
@@ -62,20 +68,24 @@ FrameShare Recorder::next() {
   return frame;
 }
 
-void Recorder::work() {
-  Result<void> result;
+Result<void> Recorder::write_frames() {
   while (const FrameShare frame = next()) {
     const TraceSpan span(trace_, "record", static_cast<std::int64_t>(frame->captured.raw.facts.sequence));
-    result = recording_->append(frame->captured.raw);
-    if (!result) break;
+    TRY(recording_->append(frame->captured.raw));
     written_();
   }
+  return {};
+}
+
+void Recorder::work() {
+  Result<void> result, finished;
+  std::exception_ptr thrown = thrown_by([&] { result = write_frames(); });
   // Also after a failure: it closes the frames written before as well as possible.
-  const Result<void> finished = recording_->finish();
-  if (result) result = finished;
+  std::exception_ptr thrown_at_end = thrown_by([&] { finished = recording_->finish(); });
+  if (result && thrown == nullptr) result = std::move(finished), thrown = std::move(thrown_at_end);
   recording_.reset();  // the run may go on for long: the file is nobody's any more
   const std::lock_guard lock(mutex_);
-  result_ = std::move(result);
+  result_ = std::move(result), thrown_ = std::move(thrown);
   ended_ = true;
   while (count_ > 0) {
     ring_[begin_] = {};

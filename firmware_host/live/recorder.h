@@ -1,8 +1,10 @@
 // Writes every captured frame to a recording, in order, on its own thread: the queue has room for the whole
-// frame pool, so the recorder never drops a frame. Thread-safe.
+// frame pool, so the recorder never drops a frame. What the writer throws, such as std::bad_alloc, fails the
+// recording as an error of its does: it is closed behind the frames before. Thread-safe.
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -21,7 +23,7 @@ class Recorder {
   // the recorder.
   Recorder(std::unique_ptr<RecordingWriter> recording, int frames, std::function<void()> written,
            Trace* trace = nullptr);
-  ~Recorder();  // like finish(), but ignores the error
+  ~Recorder();  // as complete()
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
@@ -29,15 +31,20 @@ class Recorder {
   bool put(FrameShare frame);
   // No more frames: the recorder's thread writes those in the queue and the end of the recording.
   void close();
-  // Of the work so far: the first error of the writer.
+  bool failed() const;  // so far
+  // Of the work so far: the first error of the writer; what it threw is thrown here.
   Result<void> outcome() const;
   bool ended() const;  // everything is written, or nothing more will be
-  // Writes all queued frames, then the end of the recording. Errors: the first one of the writer.
-  Result<void> finish();
+  // Waits until all queued frames are written, and the end of the recording.
+  void complete();
+  // The same, then its outcome().
+  Result<void> finish() { return complete(), outcome(); }
 
  private:
   void work();
+  Result<void> write_frames();
   FrameShare next();
+  bool has_failed() const { return !result_ || thrown_ != nullptr; }  // under the lock
 
   std::unique_ptr<RecordingWriter> recording_;  // of its thread; null once it is complete
   std::function<void()> written_;
@@ -48,6 +55,7 @@ class Recorder {
   std::size_t begin_ = 0, count_ = 0;
   bool closed_ = false, ended_ = false;
   Result<void> result_;
+  std::exception_ptr thrown_;  // by the writer
   std::thread thread_;
 };
 

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <set>
 #include <thread>
 #include <utility>
 
+#include "hal/fault/faulty_camera.h"
 #include "hal/fault/faulty_storage.h"
 #include "hal/sim/sim_bench.h"
+#include "tests/firmware_host/live/writer_without_memory.h"
 #include "tests/support/becomes_true.h"
 #include "tests/support/scratch_folder.h"
 
@@ -21,16 +24,22 @@ namespace {
 using std::chrono::milliseconds;
 const std::atomic<bool> kNeverStops{false};
 
+std::unique_ptr<CaptureStage> capture_of(Camera& camera, const Simulation& simulation,
+                                         const std::vector<Exposure>& cycle) {
+  CaptureOptions options;
+  options.mode = {PixelFormat::Rgb24, simulation.width, simulation.height, simulation.frame_duration()};
+  return value_of(CaptureStage::open(camera, nullptr, cycle, Mains::Off, options));
+}
+
+const std::vector<Exposure> kCycle{{milliseconds(1), 1}, {milliseconds(4), 1}};
+
 // A camera, its capture and a place for a recording.
 class Stand {
  public:
-  explicit Stand(const std::string& scene,
-                 std::vector<Exposure> cycle = {{milliseconds(1), 1}, {milliseconds(4), 1}})
-      : simulation_(value_of(simulation_of(scene))), camera_(simulation_, SimTime(), 1) {
-    CaptureOptions options;
-    options.mode = {PixelFormat::Rgb24, simulation_.width, simulation_.height, simulation_.frame_duration()};
-    capture_ = value_of(CaptureStage::open(camera_, nullptr, cycle, Mains::Off, options));
-  }
+  explicit Stand(const std::string& scene, const std::vector<Exposure>& cycle = kCycle)
+      : simulation_(value_of(simulation_of(scene))),
+        camera_(simulation_, SimTime(), 1),
+        capture_(capture_of(camera_, simulation_, cycle)) {}
   CaptureStage& capture() { return *capture_; }
   SimulatedCamera& camera() { return camera_; }
 
@@ -56,6 +65,20 @@ class Stand {
   Simulation simulation_;
   SimulatedCamera camera_;
   std::unique_ptr<CaptureStage> capture_;
+};
+
+// Memory ends while it waits for the frame behind so many.
+class CameraWithoutMemory : public FaultyCamera {
+ public:
+  CameraWithoutMemory(std::unique_ptr<Camera> inner, std::uint64_t frames)
+      : FaultyCamera(std::move(inner), {}), frames_(frames) {}
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    if (delivered() == frames_) throw std::bad_alloc();
+    return FaultyCamera::wait(timeout);
+  }
+
+ private:
+  const std::uint64_t frames_;
 };
 
 void check_sums(const LiveCounters& counters) {
@@ -264,6 +287,41 @@ TEST_CASE("the ledger of a recording adds up when the disk fills: what was not w
   CHECK(said.find(fmt::format("captured {} = recorded {} + dropped {}", counters.captured(),
                               counters.recorded, counters.captured() - counters.recorded)) == 0);
   CHECK(said.find("not written, the recording failed") != std::string::npos);
+}
+
+TEST_CASE(
+    "what a recording throws ends the run and is thrown at its end, and the frames before it are whole") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(),
+                      std::make_unique<test::WriterWithoutMemory>(stand.record(posix_storage()), 20),
+                      {.work = LiveWork::RecordOnly});
+  require_done(session.start(kNeverStops));
+  CHECK_FALSE(session.next({}));
+  CHECK_THROWS_AS(session.finish(), std::bad_alloc);
+  const LiveCounters counters = session.counters();
+  CHECK(counters.recorded == 20);
+  CHECK(counters.captured() == counters.recorded + counters.not_recorded());
+  CHECK(value_of(open_recording(posix_storage(), stand.path()))->frame_count() == 20);
+  CHECK(stand.recorded().size() == 20);
+}
+
+TEST_CASE("what a camera throws ends the run with all that it gave before, fitted and recorded") {
+  const std::string path = test::scratch_folder("live_session_camera_throws") + "/raw.mkv";
+  const Simulation simulation = value_of(simulation_of("still?size=64x48&fps=200"));
+  CameraWithoutMemory camera(std::make_unique<SimulatedCamera>(simulation, SimTime(), 1), 30);
+  const auto capture = capture_of(camera, simulation, kCycle);
+  LiveSession session(*capture, value_of(create_recording(posix_storage(), path, capture->facts())), {});
+  require_done(session.start(kNeverStops));
+  while (const FrameShare frame = session.next({})) session.emitted(frame->captured.raw.facts.sequence);
+  CHECK_THROWS_AS(session.finish(), std::bad_alloc);
+  const LiveCounters counters = session.counters();
+  check_sums(counters);
+  CHECK(counters.ended);
+  CHECK(counters.emitted > 0);
+  CHECK(counters.recorded > 0);
+  CHECK(counters.recorded == counters.captured());
+  CHECK(value_of(open_recording(posix_storage(), path))->frame_count() ==
+        static_cast<int>(counters.recorded));
 }
 
 TEST_CASE("a recording that failed while it was completed keeps its error, and no new one hides it") {

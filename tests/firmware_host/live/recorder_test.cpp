@@ -1,9 +1,11 @@
 #include "firmware_host/live/recorder.h"
 
 #include <atomic>
+#include <new>
 #include <vector>
 
 #include "hal/fault/faulty_storage.h"
+#include "tests/firmware_host/live/writer_without_memory.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/becomes_true.h"
 
@@ -67,6 +69,29 @@ TEST_CASE("a recorder whose disk is full gives all frames back, later ones too, 
   CHECK(recorder.put(holding(frames.front(), pool)));  // as far as the caller can tell; the error says more
   CHECK(free_in(pool) == pool.size());
   require_error(recorder.finish(), ErrorCode::NoSpace);
+}
+
+TEST_CASE(
+    "what the writer of a recording throws is thrown by the recorder, and the frames before it are whole") {
+  const std::string path = sample::scratch_folder("recorder_without_memory") + "/raw.mkv";
+  const auto frames = sample::frames(kCamera, 6, 2);
+  FramePool pool(8);
+  std::atomic<int> written{0};
+  Recorder recorder(std::make_unique<test::WriterWithoutMemory>(
+                        value_of(create_recording(posix_storage(), path, kCamera)), 4),
+                    pool.size(), [&] { ++written; });
+  for (const RawFrame& frame : frames) CHECK(recorder.put(holding(frame, pool)));
+  REQUIRE(test::becomes_true([&] { return recorder.ended(); }));
+  CHECK(recorder.failed());
+  CHECK(written == 4);
+  CHECK(recorder.put(holding(frames.front(), pool)));
+  CHECK(free_in(pool) == pool.size());
+  CHECK_THROWS_AS(recorder.outcome(), std::bad_alloc);
+  CHECK_THROWS_AS(recorder.finish(), std::bad_alloc);
+  const auto read = sample::replay(posix_storage(), path);
+  CHECK_FALSE(read.error);
+  CHECK(read.frames.size() == 4);
+  CHECK(read.is_start_of(frames));
 }
 
 }  // namespace hdrcam
