@@ -1,5 +1,6 @@
 #include "hal/storage.h"
 
+#include <cerrno>
 #include <filesystem>
 #include <random>
 
@@ -28,6 +29,15 @@ bool same_file(const FileFacts& a, const FileFacts& b) {
 bool is_there(Storage& storage, const std::string& path) {
   const auto facts = storage.look_at(path);
   return facts && facts.value().kind != FileKind::Missing;
+}
+
+Result<void> sync_name(Storage& storage, const std::string& real_path) {
+  const auto folder = storage.open(std::filesystem::path(real_path).parent_path());
+  if (!folder) return {};
+  Result<void> synced = folder.value()->sync();
+  const int code = synced ? 0 : synced.error().sys_errno;
+  const bool disk_fails = code == EIO || code == ENOSPC || code == EDQUOT;
+  return disk_fails ? synced : Result<void>();  // else the file system does not sync folders
 }
 
 // Passes everything on.
@@ -114,14 +124,7 @@ Result<void> FileInMaking::commit(Durability durability, Forestalled forestalled
     return written_meanwhile(forestalled);
   TRY(renamed);
   ours_ = false;
-  return durability == Durability::AtOnce ? sync_folder() : Result<void>();
-}
-
-// The name is the folder's: of a file alone the disk may have the bytes and not yet the name (fsync(2)).
-Result<void> FileInMaking::sync_folder() {
-  // Where it may be read.
-  const auto folder = storage_->open(std::filesystem::path(earlier_.real_path).parent_path());
-  return folder ? folder.value()->sync() : Result<void>();
+  return durability == Durability::AtOnce ? sync_name(*storage_, earlier_.real_path) : Result<void>();
 }
 
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,

@@ -77,6 +77,12 @@ enum class Durability { AtOnce, WrittenBack };
 // goes, as nothing is in it yet that anybody would miss.
 enum class Forestalled { Stays, Goes };
 
+// Returns once the name of the file at `real_path` (FileFacts) survives a power cut: the name is the
+// folder's, and of a file alone the disk may have the bytes and not yet the name (fsync(2)). Nothing where
+// the folder may not be read, or its file system does not sync folders. Errors: those of a disk that fails or
+// is full.
+Result<void> sync_name(Storage& storage, const std::string& real_path);
+
 // A file that gets its name only once it is complete. Until then it is beside `path` under an
 // unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link. What
 // another program wrote to `path` meanwhile is never replaced. Thread-bound.
@@ -128,7 +134,6 @@ class FileInMaking {
         ours_(!is_through()) {}
   Result<void> check_earlier(Forestalled forestalled);
   Error written_meanwhile(Forestalled forestalled);
-  Result<void> sync_folder();
 
   Storage* storage_;
   Names names_;

@@ -8,6 +8,7 @@ extern "C" {
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include "hal/core/sound_facts.h"
 #include "hal/recording/facts_json.h"
@@ -33,9 +34,11 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> finish() override;
 
  private:
-  MatroskaWriter(std::optional<FileInMaking> making, std::unique_ptr<StorageFile> file,
-                 PictureEncoder encoder)
-      : making_(std::move(making)),
+  MatroskaWriter(Storage& storage, std::string real_path, std::optional<FileInMaking> making,
+                 std::unique_ptr<StorageFile> file, PictureEncoder encoder)
+      : storage_(storage),
+        real_path_(std::move(real_path)),
+        making_(std::move(making)),
         stream_(std::move(file), StorageStream::Direction::Write),
         encoder_(std::move(encoder)) {}
 
@@ -49,8 +52,11 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> checked(int code, const char* what);
   Result<void> sync();
 
+  Storage& storage_;
+  const std::string real_path_;
   std::optional<FileInMaking> making_;  // of a file that may replace another: until its first frame is whole
   Durability naming_ = Durability::AtOnce;
+  bool name_is_durable_ = false;
   StorageStream stream_;  // outlives the muxer
   PictureEncoder encoder_;
   libav::Muxer muxer_;
@@ -69,8 +75,8 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
                                                                 RecordingCodec codec) {
   TRY(check_recordable(camera));
   auto encoder = TRY(PictureEncoder::open(camera, codec));
-  const FileKind there = TRY(storage.look_at(path)).kind;
-  if (there == FileKind::Other)
+  const FileFacts there = TRY(storage.look_at(path));
+  if (there.kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
   std::optional<FileInMaking> making;
@@ -78,8 +84,8 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
   auto file = TRY(making ? making->create() : storage.create(path, Creation::New));
   TRY(file->hold());
   std::unique_ptr<MatroskaWriter> writer(
-      new MatroskaWriter(std::move(making), std::move(file), std::move(encoder)));
-  if (there == FileKind::Missing) writer->naming_ = Durability::WrittenBack;  // there is nothing to lose
+      new MatroskaWriter(storage, there.real_path, std::move(making), std::move(file), std::move(encoder)));
+  if (there.kind == FileKind::Missing) writer->naming_ = Durability::WrittenBack;  // there is nothing to lose
   if (const auto begun = writer->write_header(camera); !begun) {
     if (how == Creation::New) (void)storage.remove(path);  // an empty file is no recording
     return begun.error();
@@ -195,11 +201,14 @@ Result<void> MatroskaWriter::take_name() {
   if (!making_) return {};
   auto named = making_->commit(naming_);
   if (!named) failure_ = named.error();
+  name_is_durable_ = naming_ == Durability::AtOnce;
   return named;
 }
 
+// With the first bytes also the name: a power cut would lose them all with it.
 Result<void> MatroskaWriter::sync() {
   auto synced = stream_.file().sync();
+  if (synced && !std::exchange(name_is_durable_, true)) synced = sync_name(storage_, real_path_);
   if (!synced) failure_ = synced.error();
   return synced;
 }

@@ -231,6 +231,46 @@ TEST_CASE("a recording is on the disk once per second that it lasts, and when it
   CHECK(sample::error_of(ended.value()->append(frames[61])).code == ErrorCode::Io);
 }
 
+TEST_CASE("the name of a new recording is on the disk with its first second, however it got it") {
+  const std::string folder =
+      posix_storage().look_at(sample::scratch_folder("durable_name")).value().real_path;
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 16, 16);
+  const auto frames = sample::frames(camera, 31, 1);  // at 29.97 Hz
+  for (const Creation how : {Creation::New, Creation::Replace}) {
+    FaultyStorage disk(posix_storage(), {.failing_sync = 1});  // the one behind that of the bytes
+    auto writer =
+        create_recording(disk, folder + (how == Creation::New ? "/new.mkv" : "/x.mkv"), camera, how);
+    REQUIRE(writer.ok());
+    for (std::size_t i = 0; i < 30; ++i) REQUIRE(writer.value()->append(frames[i]).ok());
+    CHECK(disk.syncs() == 0);
+    const auto second = writer.value()->append(frames[30]);
+    REQUIRE(!second.ok());
+    CHECK(second.error().message == "cannot sync '" + folder + "': the disk refused");
+  }
+}
+
+TEST_CASE("a file system that does not sync folders ends no recording") {
+  struct UnsyncedFolder : StorageFile {
+    Result<std::size_t> read_at(std::uint64_t, std::span<std::byte>) override { return std::size_t{0}; }
+    Result<void> write_at(std::uint64_t, std::span<const std::byte>) override { return {}; }
+    Result<std::uint64_t> size() override { return std::uint64_t{0}; }
+    Result<void> sync() override { return Error{ErrorCode::Io, "not a folder's", EOPNOTSUPP}; }
+  };
+  struct UnsyncedFolders : ForwardingStorage {
+    using ForwardingStorage::ForwardingStorage;
+    Result<std::unique_ptr<StorageFile>> open(const std::string&) override {
+      return std::unique_ptr<StorageFile>(std::make_unique<UnsyncedFolder>());
+    }
+  };
+  UnsyncedFolders disk(posix_storage());
+  const std::string path = sample::scratch_folder("unsynced_folders") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 16, 16);
+  const auto frames = sample::frames(camera, 40, 1);
+  const auto recorded = sample::record(disk, path, camera, frames);
+  INFO(sample::error_of(recorded).message);
+  CHECK(recorded.ok());
+}
+
 TEST_CASE("a file that is not a recording is said to be none") {
   const std::string folder = sample::scratch_folder("foreign");
   const std::string path = folder + "/x.mkv";
