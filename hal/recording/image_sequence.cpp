@@ -167,8 +167,18 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
 
 std::string ImageSequenceWriter::last_path() const { return folder_ + "/" + clip_.frames.back().file; }
 
+// A power cut leaves images without a clip.json, never one that claims images which are not there.
+Result<void> ImageSequenceWriter::sync_images() {
+  for (const auto& frame : clip_.frames) {
+    const auto image = TRY(storage_->open(folder_ + "/" + frame.file));
+    TRY(image->sync());
+  }
+  return sync_name(*storage_, last_path());
+}
+
 Result<void> ImageSequenceWriter::finish() {
   if (clip_.frames.empty()) return {};
+  TRY(sync_images());
   const std::string text = clip_to_json(clip_);
   return write_whole(*storage_, folder_ + "/" + ImageSequence::kFile, std::as_bytes(std::span(text)));
 }

@@ -69,13 +69,14 @@ class ImageSequenceWriter {
   // Permission, NoSpace, Io.
   Result<void> append(const RawFrame& frame);
   std::string last_path() const;  // of the image written last
-  // Writes the clip.json; until then the folder holds images but no clip. Without an image it writes nothing,
-  // and an earlier clip stays.
+  // Writes the clip.json once the images are on the disk; until then the folder holds images but no clip.
+  // Without an image it writes nothing, and an earlier clip stays.
   Result<void> finish();
 
  private:
   ImageSequenceWriter(Storage& storage, std::string folder)
       : storage_(&storage), folder_(std::move(folder)) {}
+  Result<void> sync_images();
 
   Storage* storage_;
   std::string folder_;

@@ -442,6 +442,30 @@ TEST_CASE("an earlier clip stays until the first image of the clip that replaces
   CHECK(frame_count() == 2);
 }
 
+TEST_CASE("a clip.json claims its images once they are on the disk, and no sooner") {
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 4, 3);
+  const std::string folder = sample::scratch_folder("durable_clip");
+  const auto written = [&](FaultyStorage& disk, const std::string& name) {
+    auto writer = ImageSequenceWriter::create(disk, folder + name, camera);
+    REQUIRE(writer.ok());
+    for (const RawFrame& frame : frames) REQUIRE(writer.value().append(frame).ok());
+    CHECK(disk.syncs() == 0);
+    return writer.value().finish();
+  };
+  constexpr std::uint64_t kOfImages = 4 + 1;  // each, then the folder that has their names
+  FaultyStorage disk(posix_storage(), {});
+  REQUIRE(written(disk, "/whole").ok());
+  CHECK(disk.syncs() == kOfImages + 2);  // the clip.json, then its name
+  for (std::uint64_t refused = 0; refused < kOfImages; ++refused) {
+    INFO("sync " << refused);
+    FaultyStorage failing(posix_storage(), {.failing_sync = refused});
+    const std::string name = fmt::format("/refused{}", refused);
+    CHECK(sample::error_of(written(failing, name)).code == ErrorCode::Io);
+    CHECK(sample::error_of(ImageSequence::open(posix_storage(), folder + name)).code == ErrorCode::NotFound);
+  }
+}
+
 TEST_CASE("writing a clip and reading it gives back every bit, in every layout and depth") {
   for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerGbrg})
     for (const int bits : {8, 10, 11, 16}) {
