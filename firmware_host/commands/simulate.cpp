@@ -11,6 +11,7 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
+#include "firmware_host/cut_recording.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/start_time.h"
@@ -92,13 +93,8 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, c
 
 // The outcome of writing after so many whole frames. Where it failed the recording has no end.
 Result<void> or_cut(Result<void> wrote, const SimulateFlags& flags, int frames) {
-  if (wrote || flags.output.empty() || frames == 0) return wrote;
-  Error error = wrote.error();
-  error.message += fmt::format(
-      "; '{}' is cut after {}, of which 'hdrcam repair {} -o FILE' makes a complete "
-      "recording",
-      flags.output, counted(frames, "frame"), shell_word(flags.output));
-  return error;
+  if (wrote || flags.output.empty()) return wrote;
+  return cut_recording(wrote.error(), flags.output, static_cast<std::uint64_t>(frames));
 }
 
 // Completes the outputs of a run with so many frames; without any they stay as they are.

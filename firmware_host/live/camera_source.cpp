@@ -5,6 +5,7 @@
 #include <iterator>
 #include <span>
 
+#include "firmware_host/cut_recording.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/memory_need.h"
@@ -142,6 +143,8 @@ Result<void> CameraSource::finish(RunRecord& record) {
   std::ranges::move(accounts(), std::back_inserter(record.notes));
   std::ranges::move(camera_->warnings(), std::back_inserter(record.notes));
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
+  if (const auto frames = session_->recording_cut_after())
+    return cut_recording(end.error(), own_recording_, *frames);
   return end.error();
 }
 

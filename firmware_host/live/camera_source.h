@@ -67,7 +67,8 @@ class CameraSource : public FrameSource, public RunControl {
       : stop_(stop),
         adapt_(settings.schedule.adapt),
         gain_(settings.schedule.gain),
-        recording_(settings.record.file) {}
+        own_recording_(settings.record.file),
+        recording_(own_recording_) {}
 
   std::string light_account() const;  // "" where the cycle does not follow it
 
@@ -83,10 +84,11 @@ class CameraSource : public FrameSource, public RunControl {
   bool replayed_ = false;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;
-  std::string gain_;            // of the cycle, as --gain is written
-  std::string recording_;       // the file that is open; "" for none
-  std::optional<Takes> takes_;  // recordings that a person starts; none where the user named no place
-  FrameShare frame_;            // the one that next() returned
+  std::string gain_;                 // of the cycle, as --gain is written
+  const std::string own_recording_;  // the file that the settings name; "" for none
+  std::string recording_;            // the file that is open; "" for none
+  std::optional<Takes> takes_;       // recordings that a person starts; none where the user named no place
+  FrameShare frame_;                 // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();
 };

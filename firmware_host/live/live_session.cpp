@@ -36,7 +36,7 @@ LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter>
       inbox_(capture.schedule().slots(),
              most_waiting(capture.facts(), pool_.size(), capture.schedule().slots())) {
   scratch_.raw.codes.reshape(channels(capture.facts().layout), capture.facts().height, capture.facts().width);
-  if (recording) recorder_ = recorder_of(std::move(recording), StartedBy::Run);
+  if (recording) own_ = recorder_ = recorder_of(std::move(recording), StartedBy::Run);
 }
 
 std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWriter> recording,
@@ -239,6 +239,12 @@ Result<LiveEnd> LiveSession::finish() {
   if (thrown_ != nullptr) std::rethrow_exception(thrown_);
   if (!capture_result_) return capture_result_.error();
   return why_;
+}
+
+std::optional<std::uint64_t> LiveSession::recording_cut_after() const {
+  const std::lock_guard lock(mutex_);
+  if (own_ == nullptr || !own_->failed()) return std::nullopt;
+  return counters_.recorded - counters_.in_takes;
 }
 
 void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {

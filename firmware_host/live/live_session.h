@@ -97,6 +97,9 @@ class LiveSession {
   // capture or recording threw on its thread, such as std::bad_alloc, ends the run likewise and is thrown
   // here.
   Result<LiveEnd> finish();
+  // Once it is finished: after how many whole frames the recording that it was given failed; none where it
+  // did not.
+  std::optional<std::uint64_t> recording_cut_after() const;
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
@@ -173,6 +176,7 @@ class LiveSession {
   std::optional<std::vector<Exposure>> followed_;  // the cycle that the fit asked for last
   std::optional<WantedCycle> wanted_cycle_;
   std::shared_ptr<Recorder> recorder_, completing_;  // completing_: takes no more frames
+  std::shared_ptr<const Recorder> own_;              // of the recording that the session was given
 };
 
 }  // namespace hdrcam

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware_host/cut_recording.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -54,10 +55,16 @@ Result<const RawFrame*> RecordingSource::next() {
     return nullptr;
   }
   if (!TRY(std::move(more))) return nullptr;
-  if (copy_) TRY(copy_->append(frame_.raw));
+  if (copy_) TRY(or_cut(copy_->append(frame_.raw)));
   ++read_;
   if ((frame_.raw.facts.flags & kFrameExposureUnproved) != 0) ++kept_out_;
   return &frame_.raw;
+}
+
+// The outcome of writing the copy. Where it failed the copy has no end.
+Result<void> RecordingSource::or_cut(Result<void> wrote) const {
+  if (wrote) return wrote;
+  return cut_recording(wrote.error(), options_.copy_to, static_cast<std::uint64_t>(read_));
 }
 
 Result<void> RecordingSource::finish(RunRecord& record) {
@@ -69,7 +76,7 @@ Result<void> RecordingSource::finish(RunRecord& record) {
     record.dropped += static_cast<int>(counters.damaged);
   }
   for (std::string& warning : recording_->warnings()) record.notes.push_back(std::move(warning));
-  if (copy_) TRY(copy_->finish());
+  if (copy_) TRY(or_cut(copy_->finish()));
   const bool too_few = kept_out_ > 0 && read_ >= 2 && read_ - kept_out_ < 2;
   if (!too_few || !end_) return end_;
   return Error{

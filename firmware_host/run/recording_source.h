@@ -55,6 +55,7 @@ class RecordingSource : public FrameSource {
   RecordingSource(std::unique_ptr<RecordingStage> recording, std::unique_ptr<RecordingWriter> copy,
                   const RecordingSourceOptions& options, const std::atomic<bool>& stop)
       : recording_(std::move(recording)), copy_(std::move(copy)), options_(options), stop_(stop) {}
+  Result<void> or_cut(Result<void> wrote) const;
 
   const std::unique_ptr<RecordingStage> recording_;
   const std::unique_ptr<RecordingWriter> copy_;

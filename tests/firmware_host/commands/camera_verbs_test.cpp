@@ -1,8 +1,11 @@
 // The verbs that run a camera, live, record and calibrate, as a user meets them, on simulated and replayed
 // cameras.
 #include <chrono>
+#include <filesystem>
 #include <span>
 
+#include "hal/core/counted.h"
+#include "hal/fault/faulty_storage.h"
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
@@ -122,6 +125,30 @@ TEST_CASE("a recording recorded again is the same one, and does not take as long
   require_success(
       {"record", "--camera", "replay:" + folder + "/walk.mkv", "--frames", "5", "-o", folder + "/first.mkv"});
   CHECK(frames_in(folder + "/first.mkv").size() == 5);
+}
+
+TEST_CASE("a recording of a camera that a full disk cuts is said to be so, with how many frames it has") {
+  const std::string folder = sample::scratch_folder("record_full"), path = folder + "/raw.mkv";
+  require_success(
+      {"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "60", "-o", folder + "/walk.mkv"});
+  const std::vector<std::string> camera{
+      "--camera", "sim:still?size=64x48&fps=200", "--format", "RGB24", "--shutter", "1ms,4ms"};
+  std::vector<std::string> record{"record", "-o", path},
+      live{"live", "--preset", "fast", "--emit", "state", "--record", path};
+  const std::vector<std::string> copy{"record", "-o", path, "--camera", "replay:" + folder + "/walk.mkv"};
+  for (auto* words : {&record, &live}) words->insert(words->end(), camera.begin(), camera.end());
+  for (const auto& words : {record, live, copy}) {
+    FaultyStorage full(posix_storage(), {.space_bytes = 40'000});
+    const RanHere run = ran_here(words, full);
+    const auto frames = static_cast<int>(frames_in(path).size());
+    CAPTURE(words, run.err, frames);
+    CHECK(run.exit_code == exit_code_of(ErrorCode::NoSpace));
+    CHECK(frames >= 1);
+    CHECK_THAT(run.err,
+               Catch::Contains(fmt::format("'{0}' is cut after {1}, of which 'hdrcam repair {0} -o FILE'",
+                                           path, counted(frames, "frame"))));
+    std::filesystem::remove(path);
+  }
 }
 
 TEST_CASE(

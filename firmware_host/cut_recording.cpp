@@ -1,0 +1,18 @@
+#include "firmware_host/cut_recording.h"
+
+#include <fmt/format.h>
+
+#include "firmware_host/settings/settings_flags.h"
+#include "hal/core/counted.h"
+
+namespace hdrcam {
+
+Error cut_recording(Error error, const std::string& path, std::uint64_t frames) {
+  if (frames == 0) return error;
+  error.message +=
+      fmt::format("; '{}' is cut after {}, of which 'hdrcam repair {} -o FILE' makes a complete recording",
+                  path, counted(frames, "frame"), shell_word(path));
+  return error;
+}
+
+}  // namespace hdrcam
