@@ -142,7 +142,7 @@ Result<void> Run::to_end(std::string& where) {
   between_shows_ = {};
   Stopwatch wall;
   TRY(source_.start());
-  const Result<void> worked = take_frames();
+  const Result<void> worked = fed_by([this] { return take_frames(); }, sinks_);
   Result<void> ended = conclude(worked, wall);
   where = sinks_.whole_outputs(storage_) + saved_;
   if (plan_.record != nullptr) *plan_.record = std::move(record_);

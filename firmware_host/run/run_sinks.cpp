@@ -2,6 +2,7 @@
 
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/output_needs.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 
@@ -21,6 +22,14 @@ Result<SinkSet> open_sinks(const RunPlan& plan, const CameraFacts& camera, RunPa
                         .control = control,
                         .trace = plan.trace},
                        pace);
+}
+
+Result<void> fed_by(const std::function<Result<void>()>& work, SinkSet& sinks) {
+  Result<void> worked;
+  const std::exception_ptr thrown = thrown_by([&] { worked = work(); });
+  if (thrown == nullptr) return worked;
+  (void)thrown_by([&] { (void)sinks.finish(); });
+  std::rethrow_exception(thrown);
 }
 
 }  // namespace hdrcam

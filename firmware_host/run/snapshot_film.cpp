@@ -39,8 +39,7 @@ class SnapshotFilm {
     Stopwatch wall;
     film_.take(scene_);
     between_shows_ = {};
-    Result<void> worked = film_.finish([this](HdrFrame& hdr, const ExposedFrame& input,
-                                              const FrameRecord& made) { return show(hdr, input, made); });
+    Result<void> worked = fed_by([this] { return film(); }, sinks_);
     if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
     if (!note.empty()) record_.notes.push_back(note);
     add_findings(film_, record_);
@@ -54,6 +53,12 @@ class SnapshotFilm {
   }
 
  private:
+  Result<void> film() {
+    return film_.finish([this](HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+      return show(hdr, input, made);
+    });
+  }
+
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
     ++record_.captured;
     FrameRecord& kept = keep(made, most_records_, record_);

@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/sink_name.h"
 #include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -81,18 +82,23 @@ Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
 }
 
 Result<void> SinkSet::finish() {
-  Result<void> first;
-  for (Open& open : open_)
-    if (Result<void> finished = noted(open.sink->finish(), open); first && !finished)
-      first = std::move(finished);
-  return first;
+  return each([](FrameSink& sink) { return sink.finish(); });
 }
 
 Result<void> SinkSet::conclude(const RunRecord& record) {
+  return each([&](FrameSink& sink) { return sink.conclude(record); });
+}
+
+Result<void> SinkSet::each(const std::function<Result<void>(FrameSink&)>& work) {
   Result<void> first;
-  for (Open& open : open_)
-    if (Result<void> concluded = noted(open.sink->conclude(record), open); first && !concluded)
-      first = std::move(concluded);
+  std::exception_ptr first_thrown;
+  for (Open& open : open_) {
+    Result<void> done;
+    const std::exception_ptr thrown = thrown_by([&] { done = work(*open.sink); });
+    open.failed |= !done || thrown != nullptr;
+    if (first && first_thrown == nullptr) first = std::move(done), first_thrown = thrown;
+  }
+  if (first_thrown != nullptr) std::rethrow_exception(first_thrown);
   return first;
 }
 

@@ -2,6 +2,7 @@
 // that emit() passes a frame to all of them without waiting. Thread-bound.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,9 +29,10 @@ class SinkSet {
 
   // Errors: the first one of any sink.
   Result<void> emit(const EmittedFrame& frame, Previews previews = Previews::Written);
-  // Finishes every sink, also after an error of one of them. Returns the first error.
+  // Finishes every sink, also after an error of one of them or what it throws. The first of these is
+  // returned, or thrown.
   Result<void> finish();
-  // Concludes every sink, also after an error of one of them. Returns the first error.
+  // Concludes every sink, likewise.
   Result<void> conclude(const RunRecord& record);
 
   // One line for each output that is whole: where it is, and how many frames. Of numbered frames each is a
@@ -53,6 +55,7 @@ class SinkSet {
     bool failed = false;
   };
   static Result<void> noted(Result<void> done, Open& open);  // done, and open.failed where it is an error
+  Result<void> each(const std::function<Result<void>(FrameSink&)>& work);
   static SinkTimes times_of(const Open& open);
   static bool is_written(const Open& open, Storage& storage);  // by this run
 

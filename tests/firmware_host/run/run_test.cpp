@@ -1,6 +1,7 @@
 #include "firmware_host/run/run.h"
 
 #include <algorithm>
+#include <new>
 #include <vector>
 
 #include "firmware_host/run/record_keeping.h"
@@ -51,6 +52,7 @@ struct Seen {
   std::vector<std::uint64_t> sequences;
   std::vector<double> latencies_ms;
   bool inputs_fit = true;
+  bool finished = false;
   std::optional<RunRecord> record;
 } seen;
 
@@ -64,9 +66,15 @@ class SeeingSink : public FrameSink {
                       frame.record.sequence == frame.hdr.facts.sequence;
     return {};
   }
+  Result<void> finish() override { return seen.finished = true, Result<void>{}; }
   Result<void> conclude(const RunRecord& record) override { return seen.record = record, Result<void>{}; }
 
   static inline bool failing = false;
+};
+
+class LightSinkWithoutMemory : public FrameSink {
+ public:
+  Result<void> emit(const EmittedFrame&) override { throw std::bad_alloc(); }
 };
 
 constexpr SinkKind kKinds[] = {{"seen", "--seen", "what this test sees", SinkPace::Complete,
@@ -253,6 +261,21 @@ TEST_CASE("a clip of any length has as many records of frames as a camera, unles
   RunPlan to_caller = plan();
   to_caller.record = &record;
   CHECK(frames_kept(to_caller, RunPace::Clip) > 1'000'000'000);
+}
+
+TEST_CASE("what is thrown amid a run is thrown at its end, once the sinks are finished") {
+  const SinkKind kinds[] = {kKinds[0],
+                            {"light", "--light", "what memory does not suffice for", SinkPace::Light,
+                             SinkTarget::Files, [](const SinkRequest&) -> Result<std::unique_ptr<FrameSink>> {
+                               return std::unique_ptr<FrameSink>(std::make_unique<LightSinkWithoutMemory>());
+                             }}};
+  RunPlan without_memory = plan();
+  without_memory.sinks = kinds;
+  without_memory.settings.output.paths["light"] = "nowhere";
+  MemorySource source(9, {});
+  CHECK_THROWS_AS(run(without_memory, source, posix_storage()), std::bad_alloc);
+  CHECK(seen.sequences.size() == 1);
+  CHECK(seen.finished);
 }
 
 TEST_CASE("a sink that fails ends the run with its own sentence") {

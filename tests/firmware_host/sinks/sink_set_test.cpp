@@ -1,5 +1,7 @@
 #include "firmware_host/sinks/sink_set.h"
 
+#include <new>
+
 #include "tests/firmware_host/sinks/example_frames.h"
 #include "tests/hal/recording/sample_recordings.h"
 
@@ -34,6 +36,13 @@ class TallySink : public FrameSink {
 Result<std::unique_ptr<FrameSink>> open_tally(const SinkRequest& request) {
   return std::unique_ptr<FrameSink>(std::make_unique<TallySink>(request));
 }
+
+class UnfinishedSink : public FrameSink {
+ public:
+  Result<void> emit(const EmittedFrame&) override { return {}; }
+  Result<void> finish() override { throw std::bad_alloc(); }
+  Result<void> conclude(const RunRecord&) override { throw std::bad_alloc(); }
+};
 
 const CameraFacts kCamera;
 const SinkRequest kRequest{.path = {}, .camera = kCamera, .layers = {}, .storage = posix_storage()};
@@ -95,6 +104,35 @@ TEST_CASE("every sink is finished, also after another one failed") {
   CHECK_FALSE(sinks.value().finish().ok());
   CHECK(read_whole(posix_storage(), folder + "/b").value() == "0");
   CHECK(sinks.value().whole_outputs(posix_storage()) == folder + "/b\n");
+}
+
+TEST_CASE(
+    "every sink is finished and concluded, also where another one throws, and the first failure is told") {
+  const std::string folder = sample::scratch_folder("sink_set_throws");
+  const SinkKind kinds[] = {kKinds[0],
+                            {"unfinished", "--unfinished", "what memory does not suffice for",
+                             SinkPace::Complete, SinkTarget::Files,
+                             [](const SinkRequest&) -> Result<std::unique_ptr<FrameSink>> {
+                               return std::unique_ptr<FrameSink>(std::make_unique<UnfinishedSink>());
+                             }},
+                            kKinds[1]};
+  const OutputPaths paths = {{"unfinished", folder + "/a"}, {"light", folder + "/b"}};
+  auto sinks = SinkSet::open(kinds, paths, kRequest, RunPace::Clip);
+  REQUIRE(sinks.ok());
+  const HdrFrame frame = example_frame(0);
+  REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
+  CHECK_THROWS_AS(sinks.value().finish(), std::bad_alloc);
+  CHECK(read_whole(posix_storage(), folder + "/b").value() == "1");
+  RunRecord record;
+  record.emitted = 1;  // which the last sink checks
+  CHECK_THROWS_AS(sinks.value().conclude(record), std::bad_alloc);
+  CHECK(sinks.value().whole_outputs(posix_storage()) == folder + "/b\n");
+
+  OutputPaths with_error = paths;
+  with_error["tally"] = "/proc/no/such";  // the first to fail
+  auto failing = SinkSet::open(kinds, with_error, kRequest, RunPace::Clip);
+  REQUIRE(failing.ok());
+  CHECK(sample::error_of(failing.value().finish()).message.find("/proc/no/such") != std::string::npos);
 }
 
 TEST_CASE("a numbered output is told with the frames that arrived and those left out, once there are any") {
