@@ -89,6 +89,7 @@ Result<void> make_room_for_takes(const Settings::Output& output, Storage& storag
 Result<void> check_live(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
+  TRY(check_no_terminal(settings.output.paths));
   if (is_replayed(settings.camera.id))
     TRY(check_recorded_poses(replayed_file(settings.camera.id), settings, around));
   else

@@ -26,17 +26,8 @@ Opened open_video(const SinkRequest& request) {
   return create_hdr_video(request.storage, request.path, request.camera.framerate_hz, request.video);
 }
 
-// A terminal would show their bytes, some of which are commands to it.
-Result<void> check_takes_frames(int standard_output) {
-  if (isatty(standard_output) == 0) return {};
-  return Error{
-      ErrorCode::Invalid,
-      "--output - would write the bytes of frames to this terminal; pipe them into a program, such as "
-      "'hdrcam .. -o - | ffplay -', or name a video"};
-}
-
 Opened open_pipe(const SinkRequest& request) {
-  TRY(check_takes_frames(STDOUT_FILENO));
+  TRY(check_no_terminal({{std::string(sink_name::kFrames), request.path}}));
   if (request.video.pipe == PipeFormat::Half) return create_half_pipe(standard_output());
   return create_video_pipe(standard_output(), request.camera.framerate_hz, request.video);
 }
@@ -124,6 +115,14 @@ constexpr SinkKind kSinkKinds[] = {
 }  // namespace
 
 std::span<const SinkKind> sink_kinds() { return kSinkKinds; }
+
+Result<void> check_no_terminal(const OutputPaths& paths) {
+  if (path_in(paths, sink_name::kFrames) != kStandardOutput || isatty(STDOUT_FILENO) == 0) return {};
+  return Error{
+      ErrorCode::Invalid,
+      "--output - would write the bytes of frames to this terminal; pipe them into a program, such as "
+      "'hdrcam .. -o - | ffplay -', or name a video"};
+}
 
 Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request) {
   const auto* const kind = std::ranges::find(kSinkKinds, name, &SinkKind::name);

@@ -12,6 +12,7 @@
 #include "firmware_host/sinks/dash.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_sink.h"
+#include "firmware_host/sinks/output_paths.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/scene_files/pose_files.h"
 #include "firmware_host/sinks/sink_name.h"
@@ -58,6 +59,10 @@ struct SinkKind {
 
 // In the order in which they get a frame, and in which the help lists them.
 std::span<const SinkKind> sink_kinds();
+
+// Errors: Invalid where frames would go to the standard output, and that is a terminal: it would show their
+// bytes, some of which are commands to it. The sink of the frames refuses it, too, once it is opened.
+Result<void> check_no_terminal(const OutputPaths& paths);
 
 // The sink of that name by itself, in the caller's thread. Errors: those of its `open`.
 Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request);

@@ -59,19 +59,24 @@ TEST_CASE("results that the standard output does not take are an error in a sent
   CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("; the files are complete"));
 }
 
-TEST_CASE("frames are not written to a terminal, which would show their bytes") {
+TEST_CASE(
+    "frames are not written to a terminal, which would show their bytes, and no camera is opened for it") {
   const std::string words = sample::scratch_folder("terminal_frames") + "/words";
   int master = -1, slave = -1;
   REQUIRE(openpty(&master, &slave, nullptr, nullptr, nullptr) == 0);
   REQUIRE(ttyname(slave) != nullptr);
-  const std::string line = "timeout 60 '" HDRCAM_BINARY "' replay '" HDRCAM_SOURCE_DIR
-                           "/tests/data/demo.mkv' --preset fast --emit state --frames 6 -o - 2>'" +
-                           words + "' >'" + ttyname(slave) + "'";
-  const int status = std::system(line.c_str());
+  for (const std::string& verb : {std::string("replay '" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv'"),
+                                  std::string("live --camera /dev/no-such-camera --shutter 1ms,4ms")}) {
+    INFO(verb);
+    const std::string line = "timeout 60 '" HDRCAM_BINARY "' " + verb +
+                             " --preset fast --emit state --frames 6 -o - 2>'" + words + "' >'" +
+                             ttyname(slave) + "'";
+    const int status = std::system(line.c_str());
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 2);
+    CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("to this terminal"));
+  }
   close(slave), close(master);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 2);
-  CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("to this terminal"));
 }
 
 TEST_CASE("a name that would move the cursor or turn the direction of text is shown with numbers") {
