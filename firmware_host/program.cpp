@@ -16,6 +16,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/exit_code.h"
 #include "firmware_host/log_format.h"
+#include "firmware_host/no_further_thread.h"
 #include "firmware_host/noting_storage.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/refused_words.h"
@@ -264,9 +265,7 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     return end_with(run_verb(request->verb, storage, stop));
   } catch (const std::system_error& refused) {
     if (refused.code() != std::errc::resource_unavailable_try_again) return fail_internally(refused);
-    return end_with(Error{ErrorCode::Io,
-                          "the system starts no further thread; raise the limit of processes (ulimit -u, or "
-                          "TasksMax of a service), or end other programs"});
+    return end_with(no_further_thread());
   } catch (const std::bad_alloc&) {
     tell(
         "no memory is left; end other programs, raise the limit of memory (ulimit -v, or MemoryMax of a "

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 
+#include "firmware_host/no_further_thread.h"
 #include "hal/clock.h"
 #include "hal/core/thread_name.h"
 #include "hal/core/thrown_by.h"
@@ -276,7 +278,11 @@ Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recor
   std::shared_ptr<Recorder> completed;  // goes without the lock: its thread is waited for
   const std::lock_guard lock(mutex_);
   TRY(may_record_under_lock());
-  recorder_ = recorder_of(std::move(recording), StartedBy::Person);
+  try {
+    recorder_ = recorder_of(std::move(recording), StartedBy::Person);
+  } catch (const std::system_error&) {
+    return no_further_thread();
+  }
   completed = std::exchange(completing_, nullptr);
   return {};
 }

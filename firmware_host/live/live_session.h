@@ -112,7 +112,8 @@ class LiveSession {
   // Errors: Busy while a recording is open or is being completed; that of the last recording, which also ends
   // the run; Interrupted where it ends.
   Result<void> may_record() const;
-  // Records from the next frame on. Errors: those of may_record().
+  // Records from the next frame on. Errors: those of may_record(); Io where the system starts no thread for
+  // it.
   Result<void> start_recording(std::unique_ptr<RecordingWriter> recording);
   // Takes no more frames; the recording is completed in the background. Errors: NotFound where none is open.
   Result<void> stop_recording();

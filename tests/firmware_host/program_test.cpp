@@ -387,11 +387,21 @@ TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {
 }
 
 TEST_CASE("a thread that the system does not start is called so, and no bug of the program") {
-  const std::string output = sample::scratch_folder("program_threads") + "/%06d.exr";
+  const std::string folder = sample::scratch_folder("program_threads");
+  const std::vector<std::string> replay{"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o",
+                                        folder + "/%06d.exr"},
+      record{"record", "--camera",         "sim:still?size=64x48&fps=50", "--shutter", "1ms,4ms",
+             "-o",     folder + "/raw.mkv"};
+  std::vector<std::string> triggered = record;
+  triggered.insert(triggered.end(), {"--trigger-line", "sim", "--trigger", "fsync"});
   const test::RefusedThreads refused;
-  const RanHere run = ran_here({"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", output});
-  CHECK(run.exit_code == exit_code_of(ErrorCode::Io));
-  CHECK_THAT(run.err, Contains("starts no further thread") && Contains("ulimit -u"));
+  for (const auto& words : {replay, record, triggered}) {
+    CAPTURE(words);
+    const RanHere run = ran_here(words);
+    CHECK(run.exit_code == exit_code_of(ErrorCode::Io));
+    CHECK_THAT(run.err, Contains("starts no further thread") && Contains("ulimit -u"));
+  }
+  CHECK(std::filesystem::is_empty(folder));
 }
 
 TEST_CASE("an instruction set that does not exist is refused, as the run would not be the one asked for") {

@@ -14,6 +14,7 @@
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/becomes_true.h"
+#include "tests/support/refused_threads.h"
 
 namespace hdrcam {
 namespace {
@@ -159,6 +160,21 @@ TEST_CASE("no recording is started once no further frame is captured, and no fil
   while (value_of(source->next()) != nullptr) continue;
   RunRecord record;
   require_done(source->finish(record));
+}
+
+TEST_CASE("a recording for which the system starts no thread is refused in a sentence, and leaves no file") {
+  const std::string folder = sample::scratch_folder("take_without_thread");
+  Running run(settings_of(folder));
+  REQUIRE(run.more_frames(1));
+  {
+    const test::RefusedThreads refused;
+    const auto started = run.control().start_recording();
+    require_error(started, ErrorCode::Io);
+    CHECK(started.error().message.find("starts no further thread") != std::string::npos);
+  }
+  CHECK(std::filesystem::is_empty(folder + "/takes"));
+  CHECK(run.control().recording().empty());
+  CHECK(value_of(run.control().start_recording()) == folder + "/takes/01.mkv");
 }
 
 TEST_CASE("frames of recordings that a person starts are not said to be in that of the run") {
