@@ -22,6 +22,7 @@
 #include "hal/core/parse_number.h"
 #include "hal/core/thread_name.h"
 #include "hal/core/thread_priority.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -141,7 +142,8 @@ struct Arriving {
 
 }  // namespace
 
-// What libmicrohttpd calls, on the server's thread.
+// What libmicrohttpd calls, on the server's thread. The library is C: nothing that is thrown passes through
+// it.
 struct HttpCallbacks {
   // The answer to a request that is refused by its header alone.
   static std::optional<HttpAnswer> refusal(const HttpServer& server, MHD_Connection* connection,
@@ -180,9 +182,19 @@ struct HttpCallbacks {
     return std::nullopt;
   }
 
+  // Where it throws the connection is closed.
   static MHD_Result take(void* self, MHD_Connection* connection, const char* path, const char* method,
                          const char*, const char* upload, std::size_t* upload_size, void** context) {
-    const auto& server = *static_cast<HttpServer*>(self);
+    MHD_Result taken = MHD_NO;
+    const auto& server = *static_cast<const HttpServer*>(self);
+    (void)thrown_by(
+        [&] { taken = take_part(server, connection, path, method, upload, upload_size, context); });
+    return taken;
+  }
+
+  static MHD_Result take_part(const HttpServer& server, MHD_Connection* connection, const char* path,
+                              const char* method, const char* upload, std::size_t* upload_size,
+                              void** context) {
     auto* arriving = static_cast<Arriving*>(*context);
     if (arriving == nullptr) {
       const auto route = std::ranges::find(server.routes_, std::string_view(path), &HttpRoute::path);
@@ -201,7 +213,7 @@ struct HttpCallbacks {
     return send(connection, answer_to(*arriving));
   }
 
-  // What a route throws does not pass through the library, which is C, and does not end the run.
+  // What a route throws does not end the run.
   static HttpAnswer answer_to(const Arriving& arrived) {
     try {
       return arrived.route->answer(arrived.request);
@@ -212,8 +224,8 @@ struct HttpCallbacks {
 
   static MHD_Result add_argument(void* query, MHD_ValueKind, const char* name, const char* value) {
     auto& arguments = *static_cast<decltype(HttpRequest::query)*>(query);
-    arguments[name] = value == nullptr ? "" : value;
-    return MHD_YES;
+    const auto thrown = thrown_by([&] { arguments[name] = value == nullptr ? "" : value; });
+    return thrown == nullptr ? MHD_YES : MHD_NO;
   }
 
   static void completed(void*, MHD_Connection* connection, void** context, MHD_RequestTerminationCode) {
@@ -229,9 +241,11 @@ struct HttpCallbacks {
     auto& clients = static_cast<HttpServer*>(self)->clients_;
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
       const auto* const info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-      clients.push_back(std::make_unique<HttpServer::Client>(
-          HttpServer::Client{info == nullptr ? -1 : info->connect_fd, Clock::now()}));
-      *context = clients.back().get();
+      (void)thrown_by([&] {
+        clients.push_back(std::make_unique<HttpServer::Client>(
+            HttpServer::Client{info == nullptr ? -1 : info->connect_fd, Clock::now()}));
+        *context = clients.back().get();
+      });
     } else {
       std::erase_if(clients, [&](const auto& client) { return client.get() == *context; });
     }
