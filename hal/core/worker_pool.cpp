@@ -3,10 +3,12 @@
 #include <chrono>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "hal/core/check.h"
 #include "hal/core/cpu.h"
 #include "hal/core/thread_name.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -73,7 +75,7 @@ void WorkerPool::run(int count, Call call, void* context) {
     std::atomic_ref(generation_).fetch_add(1, std::memory_order_release);  // odd: open
   }
   wake_.notify_all();
-  work(0);
+  std::exception_ptr thrown = thrown_by([this] { work(0); });
   {
     // nothing is left to be taken: who has not begun by now need not be waited for
     std::lock_guard lock(mutex_);
@@ -85,6 +87,8 @@ void WorkerPool::run(int count, Call call, void* context) {
     done_.wait(lock, done);
   }
   running_ = false;
+  if (thrown_ != nullptr) thrown = std::exchange(thrown_, nullptr);
+  if (thrown != nullptr) std::rethrow_exception(thrown);
 }
 
 void WorkerPool::share_out(int count) {
@@ -128,8 +132,9 @@ void WorkerPool::serve(std::size_t thread) {
       if (seen % 2 == 0) continue;  // it is over already
       std::atomic_ref(busy_).fetch_add(1, std::memory_order_relaxed);
     }
-    work(thread);
+    std::exception_ptr thrown = thrown_by([&] { work(thread); });
     std::lock_guard lock(mutex_);
+    if (thrown != nullptr) thrown_ = std::move(thrown);  // this thread keeps no share of it
     if (std::atomic_ref(busy_).fetch_sub(1, std::memory_order_release) == 1) done_.notify_one();
   }
 }

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <type_traits>
@@ -32,7 +33,8 @@ class WorkerPool {
   ScratchPictures& scratch() { return scratch_; }
 
   // Calls body(i) for i in [0, count) on all threads, the first ones on the calling thread; returns when all
-  // are done. body must not throw.
+  // are done. What body throws, on whichever thread, is thrown here once no thread works on the loop any
+  // more; other indices may then be left out.
   template <class Body>
   void for_each(int count, Body&& body) {
     run(
@@ -81,6 +83,7 @@ class WorkerPool {
   void* context_ = nullptr;
   unsigned generation_ = 0;
   int busy_ = 0;
+  std::exception_ptr thrown_;  // by the body
   bool running_ = false, stop_ = false;
 };
 

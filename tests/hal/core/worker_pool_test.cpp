@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <new>
 #include <set>
 #include <thread>
 #include <vector>
@@ -83,6 +84,27 @@ TEST_CASE("what a slow thread has not begun is done by the others") {
   });
   CHECK(helped);
   CHECK(done == kCount);
+}
+
+TEST_CASE(
+    "what the body of a loop throws, on whichever thread, is thrown by the loop, and the pool goes on") {
+  constexpr int kCount = 64;
+  for (const int threads : {1, 3}) {
+    WorkerPool pool(threads);
+    for (int bad = 0; bad < kCount; ++bad) {
+      const auto throw_at_one = [&] {
+        pool.for_each(kCount, [&](int i) {
+          if (i == bad) throw std::bad_alloc();
+        });
+      };
+      const auto throw_at_all = [&] { pool.for_each(kCount, [](int) { throw std::bad_alloc(); }); };
+      CHECK_THROWS_AS(throw_at_one(), std::bad_alloc);
+      CHECK_THROWS_AS(throw_at_all(), std::bad_alloc);
+      std::atomic<int> done{0};
+      pool.for_each(kCount, [&](int) { ++done; });
+      REQUIRE(done == kCount);
+    }
+  }
 }
 
 TEST_CASE("a loop in a loop runs on the thread that calls it") {
