@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "firmware_host/bench/ceiling_kernels.h"
 #include "firmware_host/version.h"
@@ -118,10 +118,10 @@ const char* name(KernelBound bound) {
 
 Result<KernelRates> measure_kernels(std::span<const KernelTask> tasks, double seconds,
                                     const std::atomic<bool>& stop) {
-  KernelRates rates;
-  std::thread([&] {
-    rates = measured_here(tasks, {seconds, stop});
-  }).join();  // the caller keeps its denormals
+  // on a thread of its own: the caller keeps its denormals
+  KernelRates rates = std::async(std::launch::async, [&] {
+                        return measured_here(tasks, {seconds, stop});
+                      }).get();
   if (stop) return Error{ErrorCode::Interrupted, "stopped before all kernels were measured"};
   return rates;
 }

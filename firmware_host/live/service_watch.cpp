@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/core/thrown_by.h"
+
 namespace hdrcam {
 namespace {
 
@@ -54,7 +56,7 @@ void ServiceWatch::watch() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     lock.unlock();
-    look(since_status >= kStatusInterval);
+    (void)thrown_by([&] { look(since_status >= kStatusInterval); });  // no memory for it: the next one may do
     since_status = since_status >= kStatusInterval ? pause : since_status + pause;
     lock.lock();
     wake_.wait_for(lock, pause, [this] { return stopping_; });

@@ -1,6 +1,7 @@
 #include "firmware_host/live/service_watch.h"
 
 #include <atomic>
+#include <new>
 
 #include "tests/support/becomes_true.h"
 #include "tests/support/notify_socket.h"
@@ -107,6 +108,16 @@ TEST_CASE("that a service is ready and that it stops reaches a service manager t
   ended = true;
   REQUIRE(look());
   CHECK_THAT(until(socket, "STOPPING"), Catch::Equals("STOPPING=1"));
+}
+
+TEST_CASE("a service whose line of status finds no memory is ready and alive all the same") {
+  NotifySocket socket(NotifySocket::Where::Path);
+  std::atomic<std::uint64_t> captured{0};
+  ServiceWatch watch(
+      Supervisor(socket.name(), milliseconds(100)), [&] { return counted(++captured); },
+      [](const LiveCounters&) -> std::string { throw std::bad_alloc(); });
+  CHECK_THAT(until(socket, "READY=1"), Catch::StartsWith("READY=1\nWATCHDOG=1\n"));
+  CHECK_THAT(until(socket, "WATCHDOG=1"), Catch::StartsWith("WATCHDOG=1\n"));
 }
 
 TEST_CASE("a service whose camera has ended says once that it stops, though the fit still works") {
