@@ -25,14 +25,22 @@ Result<const Knob*> find_knob(std::string_view name) {
                fmt::format("there is no knob '{}'; there are {}", name, fmt::join(alike, ", "))};
 }
 
+// Such as 1000000000 and 0.00001.
+std::string without_exponent(double limit) {
+  std::string text = fmt::format("{:.9f}", limit);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
 }  // namespace
 
 std::string accepted_values(const Knob& knob) {
   if (knob.kind == KnobKind::Choice)
     return fmt::format("{} or {}", fmt::join(knob.choices.begin(), knob.choices.end() - 1, ", "),
                        knob.choices.back());
-  std::string text = fmt::format(
-      "{}, {:g}..{:g}", knob.kind == KnobKind::Whole ? "a whole number" : "a number", knob.least, knob.most);
+  std::string text = fmt::format("{}, {}..{}", knob.kind == KnobKind::Whole ? "a whole number" : "a number",
+                                 without_exponent(knob.least), without_exponent(knob.most));
   if (*knob.unit != '\0') text += fmt::format(" {}", knob.unit);
   if (knob.multiple > 1) text += fmt::format(", a multiple of {}", knob.multiple);
   return text;

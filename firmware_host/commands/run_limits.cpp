@@ -7,7 +7,7 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kLongestRun_s = 1e9;  // 30 years
+constexpr double kLongestRun_s = 1e9;
 constexpr int kMostFrames = 1'000'000'000;
 
 }  // namespace
@@ -37,7 +37,7 @@ void RunLimits::add_to(CommandLine verb) {
         return sound ? std::string()
                      : fmt::format(
                            "takes a duration such as 90s, or a number of seconds, more than 0 and at most "
-                           "{:g}, not '{}'",
+                           "{:.0f} (30 years), not '{}'",
                            kLongestRun_s, text);
       });
 }

@@ -26,7 +26,7 @@ constexpr double kNearlyFrame = 1e-3;
 Result<void> check_number(const char* flag, double value, double least, double most) {
   if (value >= least && value <= most) return {};
   return Error{ErrorCode::Invalid,
-               fmt::format("{} takes a number, {:g}..{:g}, not {:g}", flag, least, most, value)};
+               fmt::format("{} takes a number, {}..{}, not {}", flag, least, most, value)};
 }
 
 Result<void> check_inside(double time_s, const FilmedRecording& recording) {

@@ -68,7 +68,7 @@ Result<void> check(const std::string& where, const Row& row) {
     return Error{ErrorCode::Invalid,
                  fmt::format("{}: {} cannot be {:g}; it is {}", where, kColumns[i], row[i],
                              i == kTime        ? "a time from 0 on, in seconds"
-                             : i < kFirstAngle ? "a length of the scene up to 1e6"
+                             : i < kFirstAngle ? "a length of the scene up to 1000000"
                                                : "an angle in degrees up to ten turns")};
   }
   return {};

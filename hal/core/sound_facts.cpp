@@ -34,7 +34,7 @@ std::optional<std::string> objection_to_response(const std::vector<std::vector<d
                          kChannels[c], curve.size(), kResponseCodes);
     for (std::size_t code = 0; code < curve.size(); ++code) {
       if (!is_within(curve[code], 0, kMostRelativeExposure))
-        return fmt::format("the response of {} is {:g} at code {}; 0 to {:g} are possible", kChannels[c],
+        return fmt::format("the response of {} is {:g} at code {}; 0 to {} are possible", kChannels[c],
                            curve[code], code, kMostRelativeExposure);
       if (code > 0 && curve[code] < curve[code - 1])
         return fmt::format(
@@ -52,7 +52,7 @@ std::optional<std::string> objection_to_response(const std::vector<std::vector<d
 std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, int height_px) {
   for (const auto& [name, focal_px] : {std::pair{"fx", lens.fx_px}, std::pair{"fy", lens.fy_px}})
     if (!is_within(focal_px, kLeastFocal_px, kMostFocal_px))
-      return fmt::format("'{}' is {}; a focal length is {:g} to {:g} pixels", name, focal_px, kLeastFocal_px,
+      return fmt::format("'{}' is {}; a focal length is {} to {} pixels", name, focal_px, kLeastFocal_px,
                          kMostFocal_px);
   for (const auto& [name, centre_px, side_px] :
        {std::tuple{"cx", lens.cx_px, width_px}, std::tuple{"cy", lens.cy_px, height_px}})
@@ -67,7 +67,7 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
     if (!std::isfinite(value)) return fmt::format("the pose holds {}", value);
   for (const std::size_t place : {3U, 7U, 11U})
     if (std::abs(T[place]) > kMostDistance_m)
-      return fmt::format("the pose is {:g} m away; metres of at most {:g} are possible", T[place],
+      return fmt::format("the pose is {:g} m away; metres of at most {} are possible", T[place],
                          kMostDistance_m);
   const auto product = [&](std::size_t a, std::size_t b) {  // of two rows of the rotation
     return T[4 * a] * T[4 * b] + T[4 * a + 1] * T[4 * b + 1] + T[4 * a + 2] * T[4 * b + 2];
@@ -87,15 +87,15 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
 std::optional<std::string> objection_to(const ChannelGains& gains) {
   for (const double gain : gains)
     if (!is_within(gain, kLeastGain, kMostGain))
-      return fmt::format("the white balance has a gain of {:g}; {:g} to {:g} are possible", gain, kLeastGain,
+      return fmt::format("the white balance has a gain of {:g}; {} to {} are possible", gain, kLeastGain,
                          kMostGain);
   return std::nullopt;
 }
 
 std::optional<std::string> objection_to(const CameraFacts& camera) {
   if (!is_within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
-    return fmt::format("the frame rate is {:g}; {:g} to {:g} frames a second are possible",
-                       camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
+    return fmt::format("the frame rate is {:g}; {} to {} frames a second are possible", camera.framerate_hz,
+                       kLeastRate_hz, kMostRate_hz);
   if (camera.white_balance)
     if (auto objection = objection_to(*camera.white_balance)) return objection;
   if (!camera.response.empty())
@@ -107,15 +107,15 @@ std::optional<std::string> objection_to(const CameraFacts& camera) {
 std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before) {
   // NaN or 0, which is no known exposure, is judged by the pictures (capture/recorded_labels.h)
   if (facts.exposure_s < 0 || facts.exposure_s > kLongest_s)
-    return fmt::format("its exposure is {:g} s; 0 to {:g} s are possible", facts.exposure_s, kLongest_s);
+    return fmt::format("its exposure is {:g} s; 0 to {} s are possible", facts.exposure_s, kLongest_s);
   for (const double gain : {facts.analogue_gain, facts.digital_gain})
     if (gain < 0 || gain > kMostFactor)
-      return fmt::format("its gain is {:g}; 0 to {:g} are possible", gain, kMostFactor);
+      return fmt::format("its gain is {:g}; 0 to {} are possible", gain, kMostFactor);
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);
   if (!is_within(facts.readout_s, 0, kLongestReadout_s))
-    return fmt::format("its rows are read out in {:g} s; 0 to {:g} s are possible", facts.readout_s,
+    return fmt::format("its rows are read out in {:g} s; 0 to {} s are possible", facts.readout_s,
                        kLongestReadout_s);
   if (facts.timestamp.since_boot > kLatest || facts.timestamp.since_boot < -kLatest)
     return fmt::format("its time is {:g} s; a clock of seconds since its start is needed",

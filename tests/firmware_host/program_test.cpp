@@ -330,6 +330,7 @@ TEST_CASE("a number that cannot be is refused with the range that a person needs
              Contains("--frames") && Contains("1 to 1000000000") && Contains("'0'"));
   CHECK_THAT(refused({"record", "--frames", "-3"}), Contains("1 to 1000000000"));
   CHECK_THAT(refused({"record", "--timeout", "0"}), Contains("more than 0") && !Contains("e+308"));
+  CHECK_THAT(refused({"record", "--timeout", "5000000000"}), Contains("at most 1000000000 (30 years)"));
   CHECK_THAT(refused({"record", "--timeout", "-1s"}), Contains("not '-1s'"));      // as it was written
   CHECK_THAT(refused({"record", "--timeout", "1e-10"}), Contains("more than 0"));  // it would be no limit
   for (const char* none : {"nan", "-nan", "inf"}) {

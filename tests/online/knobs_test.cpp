@@ -62,6 +62,8 @@ TEST_CASE("a value beyond the range, of another kind or for no knob is refused w
       {"rays_per_step=100", "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
       {"static_levels=7", "static_levels takes a whole number, 2..16 levels, a multiple of 2, not '7'"},
       {"dynamic_levels=1", "dynamic_levels takes a whole number, 2..16 levels, a multiple of 2, not '1'"},
+      {"state.gate_tolerance=-1", "state.gate_tolerance takes a number, 0..1000000000 mean chi^2, not '-1'"},
+      {"table_rate=2", "table_rate takes a number, 0.00001..1, not '2'"},
       {"flow=finest", "flow takes coarse, fast, medium or fine, not 'finest'"},
       {"step=10", "there is no knob 'step'; there are"},
       {"steps", "'steps' has no value; write NAME=VALUE, such as steps=100"},
