@@ -99,6 +99,8 @@ class FileInMaking {
   bool is_through() const { return earlier_.kind == FileKind::Other; }
   // To be created with Creation::New.
   const std::string& path() const { return names_.making; }
+  // The final path, its links resolved.
+  const std::string& real_path() const { return earlier_.real_path; }
   // That file, empty, to write; its errors name the one that was asked for, before and after commit().
   Result<std::unique_ptr<StorageFile>> create() const;
   // Busy while another program holds the earlier file. Exists where another program has written one

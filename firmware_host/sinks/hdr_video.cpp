@@ -84,7 +84,8 @@ class HdrVideo : public FrameSink {
   Result<void> finish() override {
     if (!writer_) return {};
     const auto nits = [](double value) { return std::clamp(static_cast<int>(std::ceil(value)), 1, 10000); };
-    return writer_->finish(LightLevel{nits(largest_.largest_nits), nits(largest_.mean_nits)});
+    TRY(writer_->finish(LightLevel{nits(largest_.largest_nits), nits(largest_.mean_nits)}));
+    return target_.sync_name();
   }
 
  private:

@@ -3,7 +3,7 @@
 namespace hdrcam {
 
 Result<VideoTarget> VideoTarget::at(Storage& storage, const std::string& path) {
-  return VideoTarget(TRY(FileInMaking::beside_or_through(storage, path)));
+  return VideoTarget(storage, TRY(FileInMaking::beside_or_through(storage, path)));
 }
 
 Result<std::unique_ptr<VideoWriter>> VideoTarget::open(const VideoFormat& format) {
@@ -15,7 +15,12 @@ Result<std::unique_ptr<VideoWriter>> VideoTarget::open(const VideoFormat& format
   TRY(file->hold());
   auto writer = TRY(VideoWriter::create(std::move(file), Direction::Write, format));
   TRY(making.commit(Durability::WrittenBack, Forestalled::Goes));  // it has no frame yet
+  named_ = making.real_path();
   return writer;
+}
+
+Result<void> VideoTarget::sync_name() const {
+  return named_.empty() ? Result<void>() : hdrcam::sync_name(*storage_, named_);
 }
 
 }  // namespace hdrcam

@@ -24,12 +24,16 @@ class VideoTarget {
   // Once. What the codec or the disk refuses leaves no file, and an earlier video as it is; so does Exists,
   // where another program has written one meanwhile. Errors: those of the storage and of the codec.
   Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format);
+  // Returns once the name of a file that was opened survives a power cut.
+  Result<void> sync_name() const;
 
  private:
-  explicit VideoTarget(FileInMaking making) : making_(std::move(making)) {}
+  VideoTarget(Storage& storage, FileInMaking making) : making_(std::move(making)), storage_(&storage) {}
 
   std::unique_ptr<StorageFile> pipe_;  // that is open already, or
   std::optional<FileInMaking> making_;
+  Storage* storage_ = nullptr;
+  std::string named_;  // the file that was opened; "" for none
 };
 
 }  // namespace hdrcam

@@ -133,7 +133,10 @@ class PosixFile : public StorageFile {
   }
 
   Result<void> sync() override {
-    if (::fdatasync(fd_.get()) != 0 && errno != EINVAL) return error_of(errno, "sync", path_);
+    while (::fdatasync(fd_.get()) != 0) {
+      if (errno == EINVAL) break;  // what cannot be synced, such as a folder of some file systems
+      if (errno != EINTR) return error_of(errno, "sync", path_);
+    }
     return {};
   }
 

@@ -378,6 +378,14 @@ TEST_CASE("a video that another program makes is not replaced, neither a new one
   CHECK(test::decoded_video(path).frames.size() == 1);
 }
 
+TEST_CASE("a video that is finished is on the disk, and so is its name") {
+  const std::string folder =
+      posix_storage().look_at(sample::scratch_folder("durable_video")).value().real_path;
+  FaultyStorage disk(posix_storage(), {.failing_sync = 1});  // the one behind that of the bytes
+  CHECK(sample::error_of(make_video(folder + "/x.mp4", 3, {}, disk)).message ==
+        "cannot sync '" + folder + "': the disk refused");
+}
+
 TEST_CASE("a full disk is an error, and what was written before it plays") {
   const std::string folder = sample::scratch_folder("full_video");
   const std::string path = folder + "/x.mp4";
