@@ -7,6 +7,7 @@
 
 #include "firmware_host/cut_recording.h"
 #include "hal/core/counted.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 
@@ -28,6 +29,10 @@ std::unique_ptr<RecordingSource> RecordingSource::of(std::unique_ptr<RecordingRe
   auto recording =
       std::make_unique<RecordingStage>(std::move(frames), options.contradiction, options.black_level);
   return std::unique_ptr<RecordingSource>(new RecordingSource(std::move(recording), nullptr, options, stop));
+}
+
+RecordingSource::~RecordingSource() {
+  if (copy_) (void)thrown_by([this] { (void)copy_->finish(); });
 }
 
 std::optional<int> RecordingSource::frame_count() const {

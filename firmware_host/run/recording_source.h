@@ -39,6 +39,10 @@ class RecordingSource : public FrameSource {
                                              const RecordingSourceOptions& options,
                                              const std::atomic<bool>& stop);
 
+  ~RecordingSource() override;  // completes the copy, also of a run that threw
+  RecordingSource(const RecordingSource&) = delete;
+  RecordingSource& operator=(const RecordingSource&) = delete;
+
   const CameraFacts& camera() const override { return recording_->camera(); }
   RunPace pace() const override { return RunPace::Clip; }
   std::optional<int> frame_count() const override;

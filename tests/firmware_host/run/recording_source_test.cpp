@@ -1,0 +1,25 @@
+#include "firmware_host/run/recording_source.h"
+
+#include <atomic>
+
+#include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+
+namespace hdrcam {
+namespace {
+
+TEST_CASE("the copy of a recording is whole as far as it came, also where nobody finishes the run") {
+  const std::string copy = sample::scratch_folder("recording_source") + "/copy.mkv";
+  const std::atomic<bool> stop{false};
+  {
+    const auto source = value_of(RecordingSource::open(
+        posix_storage(), HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", {.copy_to = copy}, stop));
+    for (int i = 0; i < 3; ++i) REQUIRE(value_of(source->next()) != nullptr);
+  }
+  const auto reader = value_of(open_recording(posix_storage(), copy));
+  CHECK(reader->frame_count() == 3);
+}
+
+}  // namespace
+}  // namespace hdrcam
