@@ -6,6 +6,7 @@
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -84,13 +85,10 @@ void AsyncSink::work() {
     }
     Stopwatch watch;
     Result<void> emitted;
-    std::exception_ptr thrown;
-    try {
+    std::exception_ptr thrown = thrown_by([&] {
       const TraceSpan span(trace_, "emit", static_cast<std::int64_t>(slot->hdr.facts.sequence));
       emitted = sink_->emit({slot->hdr, slot->input, slot->record});
-    } catch (...) {
-      thrown = std::current_exception();
-    }
+    });
     const double ms = watch.lap_ms();
     {
       const std::lock_guard lock(mutex_);
