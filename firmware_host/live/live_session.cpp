@@ -72,6 +72,7 @@ void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   {
     const std::lock_guard lock(mutex_);
     counters_.ended = true;
+    if (recorder_) recorder_->close();  // its end is written now, whatever the fit and the outputs still take
     if (auto wanted = std::exchange(wanted_cycle_, std::nullopt)) wanted->done.set_value(no_further_frame());
   }
   inbox_.close();

@@ -153,6 +153,19 @@ TEST_CASE("a run says that no further frame is captured while its fit still has 
   CHECK(now.waiting() > 0);
 }
 
+TEST_CASE("a recording is complete once no further frame is captured, though the fit has taken none") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 10});
+  require_done(session.start(kNeverStops));
+  REQUIRE(test::becomes_true([&] { return session.counters().ended; }));
+  CHECK(test::becomes_true([&] {
+    const auto reader = open_recording(posix_storage(), stand.path());
+    return reader && reader.value()->frame_count() == 10;
+  }));
+  CHECK(session.counters().waiting() > 0);
+  CHECK(value_of(session.finish()) == LiveEnd::Frames);
+}
+
 TEST_CASE("a run that only records hands out no frame and keeps them all") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()),
