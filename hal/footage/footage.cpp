@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -15,6 +16,7 @@
 #include "hal/core/sound_facts.h"
 #include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
+#include "hal/recording/image_sequence.h"
 
 namespace hdrcam {
 namespace {
@@ -38,7 +40,10 @@ bool has_one_of(const std::string& path, std::span<const std::string_view> exten
 // Such as "._IMG_0.JPG", which some systems write beside each file of a card.
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-// By letters, and numbers by their value; names that differ in leading zeros alone by their letters.
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+// By letters, of either case as on a camera's card, and numbers by their value; names that differ in case or
+// leading zeros alone by their characters.
 bool before(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -53,8 +58,8 @@ bool before(const std::string& a, const std::string& b) {
       const std::string_view x = number(a, i), y = number(b, j);
       if (x.size() != y.size()) return x.size() < y.size();
       if (x != y) return x < y;
-    } else if (a[i] != b[j]) {
-      return a[i] < b[j];
+    } else if (lower(a[i]) != lower(b[j])) {
+      return lower(a[i]) < lower(b[j]);
     } else {
       ++i, ++j;
     }
@@ -91,12 +96,44 @@ std::vector<std::string> files_of(const FolderListing& listing, const IsKind& is
   return files;
 }
 
-// The first folder in it that holds footage, as those of a camera's card do; "": none does.
+std::vector<std::string> folders_in(const FolderListing& listing) {
+  return files_of(listing, is_folder, [](const std::string&) { return true; });
+}
+
+bool holds_footage(const FolderListing& listing) {
+  const auto is_clip = [](const std::string& path) {
+    return fs::path(path).filename() == ImageSequence::kFile;
+  };
+  return !files_of(listing, is_regular_file, is_footage).empty() ||
+         !files_of(listing, is_regular_file, is_clip).empty();
+}
+
+// The nearest folder below it that holds footage or a clip; "": none does, as far as was looked.
 std::string folder_of_footage(const FolderListing& listing) {
-  const auto has_any_name = [](const std::string&) { return true; };
-  for (const std::string& folder : files_of(listing, is_folder, has_any_name))
-    if (!files_of(FolderListing(folder), is_regular_file, is_footage).empty()) return folder;
+  constexpr int kDepth = 4;                    // of a card: PRIVATE/AVCHD/BDMV/STREAM
+  constexpr std::size_t kMostLookedAt = 1000;  // folders: nobody waits for a whole disk
+  std::vector<std::string> folders = folders_in(listing);
+  std::size_t looked_at = 0;
+  for (int depth = 1; depth <= kDepth; ++depth) {
+    std::vector<std::string> below;
+    for (const std::string& folder : folders) {
+      if (++looked_at > kMostLookedAt) return "";
+      const FolderListing inside(folder);
+      if (holds_footage(inside)) return folder;
+      for (std::string& deeper : folders_in(inside)) below.push_back(std::move(deeper));
+    }
+    folders = std::move(below);
+  }
   return "";
+}
+
+// What to do about a folder without footage.
+std::string where_else(const FolderListing& listing) {
+  if (const std::string below = folder_of_footage(listing); !below.empty())
+    return fmt::format("such are in '{}'", below);
+  const std::vector<std::string> others = files_of(listing, is_regular_file, is_other_picture);
+  if (others.empty()) return "name files of other kinds one by one";
+  return fmt::format("name files of other kinds, such as '{}', one by one", others.front());
 }
 
 struct NumberedName {
@@ -298,12 +335,9 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files = files_of(listing, is_regular_file, is_footage);
   if (listing.failure()) return listing.cannot_read();
   if (!files.empty()) return files;
-  const std::string below = folder_of_footage(listing);
-  return Error{
-      ErrorCode::NotFound,
-      fmt::format(
-          "there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; {}", folder,
-          below.empty() ? "name files of other kinds one by one" : fmt::format("such are in '{}'", below))};
+  return Error{ErrorCode::NotFound,
+               fmt::format("there is no clip.json in '{}', no JPEG, PNG, TIFF or raw still and no video; {}",
+                           folder, where_else(listing))};
 }
 
 std::vector<std::string> other_pictures_in(const std::string& folder) {

@@ -70,8 +70,9 @@ bool is_still(const std::string& path);
 // Whether a file is a still, a raw still or a video by its name, in letters of either case.
 bool is_footage(const std::string& path);
 
-// The pictures and videos in a folder, by name, numbers in their order (IMG_9 before IMG_10). Errors:
-// NotFound where there are none; Permission where the folder cannot be read.
+// The pictures and videos in a folder, by name, numbers in their order (IMG_9 before img_10). Errors:
+// NotFound where there are none, which names a folder below that holds some; Permission where the folder
+// cannot be read.
 Result<std::vector<std::string>> footage_in(const std::string& folder);
 // The pictures in it of kinds that are read only where they are named, or not at all, as HEIC, by name.
 std::vector<std::string> other_pictures_in(const std::string& folder);

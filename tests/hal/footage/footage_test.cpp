@@ -52,16 +52,16 @@ TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is 
   CHECK(refused.error->code == ErrorCode::Corrupt);
 }
 
-TEST_CASE("files in a folder come in the order of their numbers") {
+TEST_CASE("files in a folder come in the order of their numbers, in letters of either case") {
   const std::string folder = sample::scratch_folder("footage_order");
-  for (const char* name : {"IMG_10.JPG", "IMG_9.jpg", "IMG_09.jpg", "IMG_009.jpg", "img_2.png",
+  for (const char* name : {"IMG_10.JPG", "IMG_9.jpg", "img_9.jpg", "IMG_09.jpg", "IMG_009.jpg", "img_2.png",
                            "IMG_0011.jpg", "notes.txt", "clip.mov", "._IMG_9.jpg"})
     std::ofstream(folder + "/" + name) << "x";
   const auto files = footage_in(folder);
   REQUIRE(files.ok());
   std::vector<std::string> expected;
-  for (const char* name :
-       {"IMG_009.jpg", "IMG_09.jpg", "IMG_9.jpg", "IMG_10.JPG", "IMG_0011.jpg", "clip.mov", "img_2.png"})
+  for (const char* name : {"clip.mov", "img_2.png", "IMG_009.jpg", "IMG_09.jpg", "IMG_9.jpg", "img_9.jpg",
+                           "IMG_10.JPG", "IMG_0011.jpg"})
     expected.push_back(folder + "/" + name);
   CHECK(files.value() == expected);
   CHECK(other_pictures_in(folder).empty());
@@ -73,7 +73,8 @@ TEST_CASE("files in a folder come in the order of their numbers") {
   const std::string empty = sample::scratch_folder("footage_empty");
   CHECK(sample::error_of(footage_in(empty)).code == ErrorCode::NotFound);
   std::ofstream(empty + "/x.bmp") << "x";  // such are read where they are named
-  CHECK_THAT(sample::error_of(footage_in(empty)).message, Contains(empty) && Contains("name files of other"));
+  CHECK_THAT(sample::error_of(footage_in(empty)).message,
+             Contains(empty) && Contains("name files of other kinds, such as '" + empty + "/x.bmp'"));
 }
 
 TEST_CASE("a folder whose folders hold the footage, as that of a card, leads to the first of these") {
@@ -85,6 +86,22 @@ TEST_CASE("a folder whose folders hold the footage, as that of a card, leads to 
   const Error refused = sample::error_of(footage_in(card));
   CHECK(refused.code == ErrorCode::NotFound);
   CHECK_THAT(refused.message, Contains("; such are in '" + card + "/100MEDIA'"));
+}
+
+TEST_CASE(
+    "a card leads to its footage however its folders are nested, the nearest first, and a clip is one") {
+  const std::string card = sample::scratch_folder("footage_whole_card");
+  const auto refusal_of_card = [&card] { return sample::error_of(footage_in(card)).message; };
+  std::filesystem::create_directories(card + "/private/avchd/bdmv/stream/deeper");
+  std::filesystem::create_directory_symlink(card, card + "/private/round");
+  std::ofstream(card + "/private/avchd/bdmv/stream/deeper/1.mts") << "x";
+  CHECK_THAT(refusal_of_card(), Contains("; name files of other kinds one by one"));
+  std::ofstream(card + "/private/avchd/bdmv/stream/1.mts") << "x";
+  CHECK_THAT(refusal_of_card(), Contains("; such are in '" + card + "/private/avchd/bdmv/stream'"));
+  std::filesystem::create_directories(card + "/walks/walk/ldr");
+  std::ofstream(card + "/walks/walk/ldr/0000.png") << "x";
+  std::ofstream(card + "/walks/walk/clip.json") << "x";
+  CHECK_THAT(refusal_of_card(), Contains("; such are in '" + card + "/walks/walk'"));
 }
 
 TEST_CASE("neighbouring numbers are those of files whose names are alike else") {
