@@ -45,7 +45,7 @@ struct FootagePlan {
   bool goes_round = false;         // their numbers begin anew on the way
   CameraFacts camera;
   std::string about;      // "h264, yuv420p"
-  bool turned = false;    // for display, as the first file states; not applied
+  bool turned = false;    // for display, as a file states; not applied
   std::string primaries;  // other than BT.709's, "bt2020"; "": none are stated
   FootageTimes times;
   ExposureOrigin origin = ExposureOrigin::Stated;

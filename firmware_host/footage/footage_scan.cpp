@@ -14,8 +14,7 @@ namespace hdrcam {
 Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>& stop) {
   constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
   FootageScan seen;
-  seen.camera = footage.camera(), seen.about = footage.about(), seen.primaries = footage.primaries();
-  seen.turned = footage.turned();
+  seen.camera = footage.camera(), seen.about = footage.about();
   seen.steps.resize(kLags);
   const auto response_of = [&](const FrameFacts& facts) {  // each raw still states its own black level
     return PhotometricResponse::before_any_fit(seen.camera.linear, facts.black_level);
@@ -47,6 +46,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
       seen.silent = footage.path();
   }
   seen.losses = footage.losses(), seen.low_codes = low.warning();
+  seen.turned = footage.turned(), seen.primaries = footage.primaries();
   if (seen.facts.size() < 2)
     return Error{ErrorCode::TooShort,
                  fmt::format("'{}' holds {}; a clip has at least two: name more files, or their folder",

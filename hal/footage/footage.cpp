@@ -171,8 +171,7 @@ class FootageFiles : public FootageReader {
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
     camera_.linear = file_->facts().linear, white_ = file_->facts().white;
     camera_.white_balance = file_->facts().white_balance;
-    about_ = file_->facts().format, primaries_ = file_->facts().primaries;
-    turned_ = file_->facts().turned;
+    about_ = file_->facts().format;
     TRY(check_size());
     TRY(check_model());
     return {};
@@ -257,6 +256,8 @@ class FootageFiles : public FootageReader {
     factors_ = file_->factors();
     still_ = file_->facts().still;
     timed_ = file_->facts().timed;
+    turned_ |= file_->facts().turned;
+    if (primaries_.empty()) primaries_ = file_->facts().primaries;
     last_ = frame.facts.timestamp;
     return true;
   }

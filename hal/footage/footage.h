@@ -32,9 +32,9 @@ class FootageReader {
   virtual const CameraFacts& camera() const = 0;
   // In one clause for people: "h264, yuv420p".
   virtual std::string about() const = 0;
-  // Those that the first file states, other than BT.709's: "bt2020"; "": none. They are not converted.
+  // The first that a file states, so far, other than BT.709's: "bt2020"; "": none. They are not converted.
   virtual const std::string& primaries() const = 0;
-  // Whether it states a rotation or mirroring for display, which is not applied.
+  // Whether a file states, so far, a rotation or mirroring for display, which is not applied.
   virtual bool turned() const = 0;
   // The next frame; false at the end. Its facts: the number within the footage, the time since its beginning,
   // and the exposure with its source, Unknown where the file says none. Frames of a video that are not whole

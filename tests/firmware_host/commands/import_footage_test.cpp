@@ -271,6 +271,18 @@ TEST_CASE("a recording that is cut or damaged before its first frame is called s
   }
 }
 
+TEST_CASE("a picture that is to be turned for display is told wherever in the clip it comes") {
+  const std::string folder = sample::scratch_folder("import_turned");
+  for (int i = 0; i < 6; ++i) {
+    test::Exif exif{1u << 2 * (i % 3), 1000, 100, 80};
+    if (i == 4) exif.orientation = 6;
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
+  }
+  const test::Ran listed = test::ran({"import", folder, "--list"});
+  CHECK(listed.exit_code == 0);
+  CHECK_THAT(listed.output, Contains("note: the files state that their pictures are turned for display"));
+}
+
 TEST_CASE("pictures and videos of one folder do not make one clip") {
   const std::string folder = write_bracket("import_mixed");
   REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 3, {}))).ok());

@@ -54,7 +54,7 @@ TEST_CASE("a colour profile of wider primaries is told from one of sRGB, and dam
     CHECK_FALSE(states_other_primaries(std::span(adobe).first(bytes)));
 }
 
-TEST_CASE("footage tells the primaries that its first picture states, where they are not those of BT.709") {
+TEST_CASE("footage tells the first primaries that a picture states, where they are not those of BT.709") {
   const std::string folder = sample::scratch_folder("footage_profile");
   Image<std::uint16_t> rgb(3, 32, 48);
   for (auto& code : rgb.samples()) code = 100;
@@ -70,12 +70,19 @@ TEST_CASE("footage tells the primaries that its first picture states, where they
         << plain.substr(0, 2) << std::string(segment.begin(), segment.end()) << plain.substr(2);
     return folder + name;
   };
-  const auto primaries = [](const std::string& path) {
-    const auto footage = open_footage(posix_storage(), {path}, 0);
+  const auto primaries = [](const std::string& path, const std::string& later = "") {
+    std::vector<std::string> files{path};
+    if (!later.empty()) files.push_back(later);
+    const auto footage = open_footage(posix_storage(), files, 0);
     REQUIRE(footage.ok());
+    RawFrame frame;
+    while (footage.value()->next(frame).value()) {
+    }
     return footage.value()->primaries();
   };
   CHECK(primaries(folder + "/plain.jpg") == "");
   CHECK(primaries(with_profile("/srgb.jpg", profile_of(kSrgbRed, kSrgbGreen))) == "");
-  CHECK(primaries(with_profile("/p3.jpg", profile_of(kP3Red, kP3Green))) == "a colour profile");
+  const std::string p3 = with_profile("/p3.jpg", profile_of(kP3Red, kP3Green));
+  CHECK(primaries(p3) == "a colour profile");
+  CHECK(primaries(folder + "/plain.jpg", p3) == "a colour profile");
 }
