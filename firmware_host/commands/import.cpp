@@ -90,15 +90,18 @@ Contradiction contradiction_of(const ImportOptions& options) {
   return options.strict ? Contradiction::Fails : Contradiction::Warns;
 }
 
-void show_warnings(const RecordingStage& clip, const LowCodes& low) {
+// suspicion: what exposures that pictures contradict may come from; "": nothing is known.
+void show_warnings(const RecordingStage& clip, const LowCodes& low, const std::string& suspicion) {
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
+  const CaptureCounters frames = clip.counters();
+  if (frames.contradicted + frames.relabelled > 0 && !suspicion.empty()) remark("note: {}\n", suspicion);
   if (const std::string warning = low.warning(); !warning.empty()) remark("warning: {}\n", warning);
 }
 
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
 // is complete.
 Result<void> write_recording(Surroundings& around, const ImportOptions& options, const Settings& settings,
-                             std::unique_ptr<RecordingReader> reader) {
+                             std::unique_ptr<RecordingReader> reader, const std::string& suspicion) {
   RecordingStage clip(std::move(reader), contradiction_of(options));
   LowCodes low(clip.camera());
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
@@ -106,14 +109,15 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
       TRY(making.as_asked(copy_frames(around, clip, low, making.path(), settings.record.codec)));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  show_warnings(clip, low);
+  show_warnings(clip, low, suspicion);
   say("{}\n", describe_recording(options.output, camera, frames));
   return {};
 }
 
 // What writing it would say and refuse, without a recording. Returns the facts of the frames.
 Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportOptions& options,
-                                             std::unique_ptr<RecordingReader> reader) {
+                                             std::unique_ptr<RecordingReader> reader,
+                                             const std::string& suspicion) {
   RecordingStage clip(std::move(reader), contradiction_of(options));
   LowCodes low(clip.camera());
   std::vector<FrameFacts> facts;
@@ -121,14 +125,14 @@ Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportO
     facts.push_back(frame.facts);
     return Result<void>();
   }));
-  show_warnings(clip, low);
+  show_warnings(clip, low, suspicion);
   return facts;
 }
 
 Result<void> list_clip(Surroundings& around, const ImportOptions& options, ImageSequence clip) {
   CameraFacts camera = clip.camera();
   camera.name = printable(camera.name.empty() ? options.footage.files.front() : camera.name);
-  auto facts = TRY(judged_facts(around, options, reader_of(std::move(clip))));
+  auto facts = TRY(judged_facts(around, options, reader_of(std::move(clip)), ""));
   say("{}", described(plan_of_clip(std::move(camera), std::move(facts))));
   return {};
 }
@@ -148,7 +152,7 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options, con
   TRY(admit_copy(
       settings, clip.camera(),
       {CopyKind::Stills, most_waiting(static_cast<std::size_t>(clip.frame_count())), settings.record.codec}));
-  return write_recording(around, options, settings, reader_of(std::move(clip)));
+  return write_recording(around, options, settings, reader_of(std::move(clip)), "");
 }
 
 // What a file that may be footage is as a recording: of a video or a picture none.
@@ -297,7 +301,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));
-    TRY(judged_facts(around, options, std::move(reader)));
+    TRY(judged_facts(around, options, std::move(reader), describe_pause(plan)));
     warn_of_phase(plan);
     return tell_losses(plan);
   }
@@ -308,7 +312,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     remark("note: the exposures are estimated, and relative to each other only\n");
   if (const std::string missing = describe_missing(plan); !missing.empty()) remark("note: {}\n", missing);
   auto reader = TRY(open_planned(around.storage, footage, plan));
-  TRY(write_recording(around, options, settings, std::move(reader)));
+  TRY(write_recording(around, options, settings, std::move(reader), describe_pause(plan)));
   warn_of_phase(plan);
   return tell_losses(plan);
 }

@@ -73,6 +73,15 @@ std::string describe_missing(const FootagePlan& plan) {
                      places, losses > kShown ? ".." : "");
 }
 
+std::string describe_pause(const FootagePlan& plan) {
+  const auto& pause = plan.times.pause;
+  if (!pause || pause->before >= plan.files.size()) return "";
+  return fmt::format(
+      "'{}' was taken {:.0f} s after the still before it; a recording shows one scene, so if another begins "
+      "there, import the stills of each scene by themselves",
+      plan.files[pause->before], to_seconds(pause->length));
+}
+
 std::string described(const FootagePlan& plan) {
   constexpr std::size_t kShown = 12;  // frames
   const CameraFacts& camera = plan.camera;

@@ -13,6 +13,10 @@ std::string describe(const FootageLosses& losses);
 // "2 frames are missing, before frame 3", as the exposures show; "" where none is.
 std::string describe_missing(const FootagePlan& plan);
 
+// Where EXIF shows a pause between stills: that they may be of several scenes, which would explain exposures
+// that pictures contradict; else "".
+std::string describe_pause(const FootagePlan& plan);
+
 // For people: what the footage is, its cycle, what is missing, and the first frames.
 std::string described(const FootagePlan& plan);
 

@@ -125,6 +125,7 @@ void read_times(FootageScan& seen, TimeOrigin times) {
 
 Result<FootageTimes> take_times(FootageScan& seen, double rate_hz) {
   FootageTimes times;
+  times.pause = first_pause(seen.taken);
   if (rate_hz == 0) times.origin = take_exif_times(seen, times.trouble);
   if (times.origin == TimeOrigin::Files) TRY(take_regular_times(seen, rate_hz, times.trouble));
   if (times.origin == TimeOrigin::Files) TRY(check_one_rate(seen));

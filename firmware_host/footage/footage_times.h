@@ -1,6 +1,7 @@
 // When the frames of footage are, and which of them are missing between. Reentrant.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "firmware_host/footage/footage_scan.h"
@@ -15,6 +16,7 @@ enum class TimeOrigin {
 
 struct FootageTimes {
   TimeOrigin origin = TimeOrigin::Files;
+  std::optional<StillPause> pause;  // the first, as EXIF says
   std::string trouble;  // why the times in EXIF, or those of a video, are not taken, a clause; "": they are
 };
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <numeric>
+
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -77,6 +80,21 @@ std::size_t first_taken(std::span<const std::optional<ExifTime>> stills) {
   const auto earlier = std::is_sorted_until(at.begin(), at.end());
   const bool goes_round = earlier != at.end() && std::is_sorted(earlier, at.end()) && at.back() <= at.front();
   return goes_round ? static_cast<std::size_t>(earlier - at.begin()) : 0;
+}
+
+std::optional<StillPause> first_pause(std::span<const std::optional<ExifTime>> stills) {
+  constexpr Duration kShortest = std::chrono::seconds(5);
+  constexpr int kTimesUsual = 4;
+  if (stills.size() < 2 || !std::ranges::all_of(stills, has_time)) return std::nullopt;
+  std::vector<Duration> apart = on_one_clock(stills);
+  std::adjacent_difference(apart.begin(), apart.end(), apart.begin());
+  apart.erase(apart.begin());  // the time of the first one
+  std::vector<Duration> reordered = apart;
+  const Duration usual = median(reordered);
+  const auto pause = std::ranges::find_if(
+      apart, [&](Duration interval) { return interval >= kShortest && interval / kTimesUsual >= usual; });
+  if (pause == apart.end()) return std::nullopt;
+  return StillPause{static_cast<std::size_t>(pause - apart.begin()) + 1, *pause};
 }
 
 StillTimes times_of(std::span<const std::optional<ExifTime>> stills, std::span<const std::string> files) {

@@ -29,6 +29,15 @@ std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view s
 // place puts them in order, and where not all state their time.
 std::size_t first_taken(std::span<const std::optional<ExifTime>> stills);
 
+// A still that was taken long after the one before it: another scene may begin there.
+struct StillPause {
+  std::size_t before;  // its place
+  Duration length;
+};
+// The first one: five seconds or more, and four times what is usual between the stills. nullopt where there
+// is none, and where not all state their time.
+std::optional<StillPause> first_pause(std::span<const std::optional<ExifTime>> stills);
+
 // The times of stills in their order: from the first one on, empty where they cannot be used, and then why,
 // as a clause; no clause where no still has any.
 struct StillTimes {

@@ -283,6 +283,24 @@ TEST_CASE("a picture that is to be turned for display is told wherever in the cl
   CHECK_THAT(listed.output, Contains("note: the files state that their pictures are turned for display"));
 }
 
+TEST_CASE("where pictures contradict exposures after a pause, another scene may begin, and import says so") {
+  const std::string folder = sample::scratch_folder("import_scenes");
+  for (int i = 0; i < 9; ++i) {  // from the fourth on of a scene that is 16 times brighter
+    test::Exif exif{1u << 2 * (i % 3), i < 3 ? 1000u : 16000u, 100, 80};
+    exif.date_time = i < 3 ? "2026:11:22 17:00:00" : "2026:11:22 17:10:00";
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
+  }
+  const std::string hint = "note: '" + folder + "/IMG_3.JPG' was taken 600 s after the still before it";
+  for (const std::vector<std::string>& end :
+       {std::vector<std::string>{"--list"}, {"-o", folder + "/x.mkv"}}) {
+    std::vector<std::string> words{"import", folder};
+    words.insert(words.end(), end.begin(), end.end());
+    const test::Ran imported = test::ran(words);
+    CHECK(imported.exit_code == 0);
+    CHECK_THAT(imported.output, Contains("their pictures contradict their exposures") && Contains(hint));
+  }
+}
+
 TEST_CASE("pictures and videos of one folder do not make one clip") {
   const std::string folder = write_bracket("import_mixed");
   REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 3, {}))).ok());

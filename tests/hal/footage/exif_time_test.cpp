@@ -88,6 +88,26 @@ TEST_CASE("stills whose counter began anew begin with the one that was taken fir
     CHECK(first_taken(stills(others)) == 0);
 }
 
+TEST_CASE("a pause between stills is five seconds or more, and four times what is usual between them") {
+  using Texts = std::vector<std::array<const char*, 3>>;
+  const auto at = [](const char* minute) { return std::array<const char*, 3>{minute, "", ""}; };
+  const auto noon = at("2026:03:01 12:00:00"), second = at("2026:03:01 12:00:01"),
+             fourth = at("2026:03:01 12:00:04"), fifth = at("2026:03:01 12:00:05"),
+             later = at("2026:03:01 12:10:00"), evening = at("2026:03:01 18:00:00");
+  const auto pause = first_pause(stills({noon, noon, second, later, later, evening}));
+  REQUIRE(pause);
+  CHECK(pause->before == 3);
+  CHECK(pause->length == 599s);
+  CHECK(first_pause(stills({noon, noon, fifth, fifth}))->before == 2);
+  for (const Texts& others : {Texts{}, Texts{noon}, Texts{noon, later}, Texts{noon, noon, fourth, fourth},
+                              Texts{noon, fifth, at("2026:03:01 12:00:11"), at("2026:03:01 12:00:24")},
+                              Texts{noon, noon, at(""), later, later}})
+    CHECK_FALSE(first_pause(stills(others)));
+  const std::array<const char*, 3> winter{"2026:03:29 01:59:59", "", "+01:00"},
+      summer{"2026:03:29 03:00:00", "", "+02:00"};
+  CHECK_FALSE(first_pause(stills({winter, winter, summer, summer})));
+}
+
 TEST_CASE("times that are missing, run backward or are too coarse are not used, and it is said why") {
   CHECK(times_of(stills({{"", "", ""}, {"", "", ""}})).trouble.empty());
   const struct {
