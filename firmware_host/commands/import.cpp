@@ -15,6 +15,7 @@
 #include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "firmware_host/footage/low_codes.h"
+#include "firmware_host/footage/white_level.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/start_time.h"
@@ -37,25 +38,35 @@ struct ImportOptions {
   std::unique_ptr<SettingsFlags> settings;
 };
 
+// What the codes themselves show to be wrong with them.
+struct CodeChecks {
+  LowCodes low;
+  WhiteLevel white;
+
+  explicit CodeChecks(const CameraFacts& camera) : low(camera), white(camera) {}
+  void observe(const RawFrame& frame) { low.observe(frame.codes), white.observe(frame); }
+  std::vector<std::string> warnings() const { return {low.warning(), white.warning()}; }
+};
+
 // All frames, with the verdicts of the pictures on their exposures.
 template <class Take>
-Result<void> each_frame(Surroundings& around, RecordingStage& clip, LowCodes& low, const Take& take) {
+Result<void> each_frame(Surroundings& around, RecordingStage& clip, CodeChecks& codes, const Take& take) {
   CapturedFrame frame;
   while (TRY(clip.next(frame))) {
     if (around.stop)
       return Error{ErrorCode::Interrupted, fmt::format("stopped at frame {} of {}; nothing was written",
                                                        clip.counters().captured - 1, *clip.frame_count())};
-    low.observe(frame.raw.codes);
+    codes.observe(frame.raw);
     TRY(take(frame.raw));
   }
   return {};
 }
 
 // Returns the number of frames.
-Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, LowCodes& low,
+Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, CodeChecks& codes,
                                   const std::string& path, RecordingCodec codec) {
   auto writer = TRY(create_recording(around.storage, path, clip.camera(), Creation::New, codec));
-  TRY(each_frame(around, clip, low, [&](const RawFrame& frame) { return writer->append(frame); }));
+  TRY(each_frame(around, clip, codes, [&](const RawFrame& frame) { return writer->append(frame); }));
   TRY(writer->finish());
   return clip.counters().captured;
 }
@@ -91,11 +102,12 @@ Contradiction contradiction_of(const ImportOptions& options) {
 }
 
 // suspicion: what exposures that pictures contradict may come from; "": nothing is known.
-void show_warnings(const RecordingStage& clip, const LowCodes& low, const std::string& suspicion) {
+void show_warnings(const RecordingStage& clip, const CodeChecks& codes, const std::string& suspicion) {
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
   const CaptureCounters frames = clip.counters();
   if (frames.contradicted + frames.relabelled > 0 && !suspicion.empty()) remark("note: {}\n", suspicion);
-  if (const std::string warning = low.warning(); !warning.empty()) remark("warning: {}\n", warning);
+  for (const std::string& warning : codes.warnings())
+    if (!warning.empty()) remark("warning: {}\n", warning);
 }
 
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
@@ -103,13 +115,13 @@ void show_warnings(const RecordingStage& clip, const LowCodes& low, const std::s
 Result<void> write_recording(Surroundings& around, const ImportOptions& options, const Settings& settings,
                              std::unique_ptr<RecordingReader> reader, const std::string& suspicion) {
   RecordingStage clip(std::move(reader), contradiction_of(options));
-  LowCodes low(clip.camera());
+  CodeChecks codes(clip.camera());
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames =
-      TRY(making.as_asked(copy_frames(around, clip, low, making.path(), settings.record.codec)));
+      TRY(making.as_asked(copy_frames(around, clip, codes, making.path(), settings.record.codec)));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  show_warnings(clip, low, suspicion);
+  show_warnings(clip, codes, suspicion);
   say("{}\n", describe_recording(options.output, camera, frames));
   return {};
 }
@@ -119,13 +131,13 @@ Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportO
                                              std::unique_ptr<RecordingReader> reader,
                                              const std::string& suspicion) {
   RecordingStage clip(std::move(reader), contradiction_of(options));
-  LowCodes low(clip.camera());
+  CodeChecks codes(clip.camera());
   std::vector<FrameFacts> facts;
-  TRY(each_frame(around, clip, low, [&](const RawFrame& frame) {
+  TRY(each_frame(around, clip, codes, [&](const RawFrame& frame) {
     facts.push_back(frame.facts);
     return Result<void>();
   }));
-  show_warnings(clip, low, suspicion);
+  show_warnings(clip, codes, suspicion);
   return facts;
 }
 

@@ -431,6 +431,24 @@ TEST_CASE("where nearly black pictures show no cycle, codes in the lower bits of
   }
 }
 
+TEST_CASE("pictures that clip below the largest code are imported with a warning") {
+  const std::string folder = sample::scratch_folder("import_low_white");
+  for (int i = 0; i < 9; ++i) {
+    Image<std::uint16_t> codes = scene().frame(i).codes;
+    for (std::uint16_t& code : codes.samples()) code = static_cast<std::uint16_t>(code * 240 / 255);
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), codes,
+                     test::Exif{1u << 2 * (i % 3), 1000, 100, 80});
+  }
+  for (const std::vector<std::string>& end :
+       {std::vector<std::string>{"--list"}, {"-o", folder + "/x.mkv"}}) {
+    std::vector<std::string> words{"import", folder};
+    words.insert(words.end(), end.begin(), end.end());
+    const test::Ran imported = test::ran(words);
+    CHECK(imported.exit_code == 0);
+    CHECK_THAT(imported.output, Contains("warning: the pictures clip at 2") && Contains("White level)"));
+  }
+}
+
 TEST_CASE("16-bit pictures whose codes lie in the lower 12 bits are imported with a warning") {
   const std::string clip = sample::scratch_folder("import_low_codes");
   std::string frames;
