@@ -47,6 +47,21 @@ std::string described_exposures(const FootagePlan& plan) {
   return fmt::format("stated by the files, a cycle of {}{}", describe(plan.cycle), phase);
 }
 
+// Whether more than a fifth of the frames of a named cycle would have been lost without a trace in their
+// times, as where the camera has another cycle.
+bool is_cycle_doubtful(const FootagePlan& plan) {
+  if (plan.origin != ExposureOrigin::Cycle) return false;
+  double untold = 0;
+  for (std::size_t i = 1; i < plan.facts.size(); ++i) {
+    const double passed_s = to_seconds(plan.as_read[i] - plan.as_read[i - 1]);
+    const double told = plan.times.origin == TimeOrigin::Exif
+                            ? 0
+                            : std::max(0.0, std::round(passed_s * plan.camera.framerate_hz) - 1);
+    untold += std::max(0.0, plan.walk.lost_before[i] - told);
+  }
+  return 4 * untold > static_cast<double>(plan.facts.size());
+}
+
 }  // namespace
 
 std::string describe(const FootageLosses& losses) {
@@ -69,8 +84,11 @@ std::string describe_missing(const FootagePlan& plan) {
       if (++losses <= kShown) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
     }
   if (lost == 0) return "";
-  return fmt::format("{} {} missing, before frame {}{}", counted(lost, "frame"), lost == 1 ? "is" : "are",
-                     places, losses > kShown ? ".." : "");
+  const char* const doubt = is_cycle_doubtful(plan)
+                                ? "; if the camera lost none, its cycle is another one than --shutter names"
+                                : "";
+  return fmt::format("{} {} missing, before frame {}{}{}", counted(lost, "frame"), lost == 1 ? "is" : "are",
+                     places, losses > kShown ? ".." : "", doubt);
 }
 
 std::string describe_pause(const FootagePlan& plan) {

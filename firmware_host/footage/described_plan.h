@@ -10,7 +10,8 @@ namespace hdrcam {
 // A sentence without a full stop: the file, how much it lacks, and what becomes of the rest.
 std::string describe(const FootageLosses& losses);
 
-// "2 frames are missing, before frame 3", as the exposures show; "" where none is.
+// "2 frames are missing, before frame 3", as the exposures show, and where they are many that the named cycle
+// may be wrong; "" where none is.
 std::string describe_missing(const FootagePlan& plan);
 
 // Where EXIF shows a pause between stills: that they may be of several scenes, which would explain exposures

@@ -266,6 +266,20 @@ TEST_CASE("a pause of years is a loss of very many frames") {
   CHECK_THAT(describe_missing(plan), Contains("frames are missing, before frame 6"));
 }
 
+TEST_CASE("where a fifth of a named cycle would be missing, and no time shows it, the cycle is doubted") {
+  const std::string folder = sample::scratch_folder("import_there_and_back");
+  test::MovingScene scene = test::scene();
+  scene.exposures_s = {0.001, 0.004, 0.016, 0.004};
+  for (int i = 0; i < 16; ++i)
+    test::write_jpeg(fmt::format("{}/{:02}.jpg", folder, i), scene.frame(i).codes, std::nullopt);
+  const auto listed_with = [&folder](const char* cycle) {
+    return test::ran({"import", folder, "--list", "--shutter", cycle}).output;
+  };
+  CHECK_THAT(listed_with("1ms,4ms,16ms"),
+             Contains("frames are missing, before frame ") && Contains("its cycle is another one"));
+  CHECK_THAT(listed_with("1ms,4ms,16ms,4ms"), !Contains("missing"));
+}
+
 TEST_CASE("stills without any time come at the frame rate, and the list says so") {
   const std::string folder = write_bracket("import_no_times");
   CHECK_THAT(
