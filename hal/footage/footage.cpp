@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -152,6 +153,15 @@ NumberedName numbered(const fs::path& path) {
   return {(path.parent_path() / name.erase(begin, end - begin)).string(), number};
 }
 
+// The lens of such a focal length for 35 mm film, whose diagonal is that of the picture (CIPA DCG-001), with
+// its axis in the middle; none where no length is stated, or none that a lens can have.
+std::optional<Intrinsics> lens_of(double focal_35mm_mm, int width_px, int height_px) {
+  const double film_diagonal_mm = std::hypot(36, 24);
+  const double focal_px = focal_35mm_mm / film_diagonal_mm * std::hypot(width_px, height_px);
+  const Intrinsics lens{focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
+  return objection_to(lens, width_px, height_px) ? std::nullopt : std::optional(lens);
+}
+
 // The files of a clip one after the other. A file that does not say when its frames are, as a still does not,
 // goes on at the frame rate.
 class FootageFiles : public FootageReader {
@@ -171,6 +181,7 @@ class FootageFiles : public FootageReader {
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
     camera_.linear = file_->facts().linear, white_ = file_->facts().white;
     camera_.white_balance = file_->facts().white_balance;
+    camera_.intrinsics = lens_of(file_->facts().focal_35mm_mm, camera_.width, camera_.height);
     about_ = file_->facts().format;
     TRY(check_size());
     TRY(check_model());

@@ -28,7 +28,8 @@ class FootageReader {
  public:
   virtual ~FootageReader() = default;
 
-  // Size, depth and layout of all frames; linear where the codes are those of the sensor.
+  // Size, depth and layout of all frames; linear where the codes are those of the sensor. The lens is that of
+  // the first still, by its focal length for 35 mm film.
   virtual const CameraFacts& camera() const = 0;
   // In one clause for people: "h264, yuv420p".
   virtual std::string about() const = 0;

@@ -22,6 +22,7 @@ struct PictureFileFacts {
   bool still = false;          // a file of one picture
   double framerate_hz = 0;     // 0 of a still, and of a video that states none
   bool timed = false;          // it says when each frame is, not a rate alone
+  double focal_35mm_mm = 0;    // focal length that is equivalent for 35 mm film, of stills; 0: none is stated
   std::string model = {};      // "Canon EOS R5", as EXIF states it; "": it does not
   std::string primaries = {};  // other than BT.709's, "bt2020"; "": none are stated
   bool turned = false;         // for display, as it states; not applied

@@ -221,6 +221,7 @@ class RawStill : public PictureFile {
     facts_.turned = sizes.flip != 0;
     facts_.model = fmt::format("{} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
     facts_.format = "raw of " + facts_.model;
+    facts_.focal_35mm_mm = raw.imgdata.lens.FocalLengthIn35mmFormat;
     facts_.white = static_cast<int>(white);
     const CodeStretch stretch(clip_white > 0 ? static_cast<unsigned>(clip_white) : white, white, facts_.bits);
     frame_.codes = Image<std::uint16_t>(1, sizes.height, sizes.width);

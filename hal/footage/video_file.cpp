@@ -375,7 +375,7 @@ int VideoFile::missing_at_end() {
   return missing == 0 && ends_inside_frame() ? 1 : missing;
 }
 
-// From the first frame: how its codes become RGB, and of a still which camera took it.
+// From the first frame: how its codes become RGB, and of a still which camera and lens took it.
 Result<void> VideoFile::begin_codes() {
   const auto begun = codes_.begin(*frame_, demuxer_->streams[track_]->codecpar->codec_id);
   if (!begun) return refused(begun.error().code, begun.error().message);
@@ -383,7 +383,10 @@ Result<void> VideoFile::begin_codes() {
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
   facts_.primaries = primaries_of(*frame_);
   facts_.turned = is_turned(*frame_, *demuxer_->streams[track_]);
-  if (still_) facts_.model = exif_model(*frame_);
+  if (still_) {
+    facts_.model = exif_model(*frame_);
+    facts_.focal_35mm_mm = exif_number(*frame_, "FocalLengthIn35mmFilm").value_or(0);
+  }
   return {};
 }
 

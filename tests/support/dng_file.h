@@ -25,6 +25,7 @@ struct DngStill {
   std::uint32_t exposure_index = 0;                      // the sensitivity beyond 16 bits; 0: not stated
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
   std::string date_time, sub_second;                     // of EXIF; "": none
+  std::uint16_t focal_35mm_mm = 0;                       // equivalent for 35 mm film; 0: not stated
   std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
   DngPacking packing = DngPacking::None;
   std::uint16_t orientation = 1;                   // as EXIF numbers them
@@ -117,6 +118,7 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
   if (still.exposure_index > 0) exif.longs(tiff_tag::kRecommendedExposureIndex, {still.exposure_index});
   if (!still.date_time.empty()) exif.text(tiff_tag::kDateTimeOriginal, still.date_time);
   if (!still.sub_second.empty()) exif.text(tiff_tag::kSubSecTimeOriginal, still.sub_second);
+  if (still.focal_35mm_mm > 0) exif.shorts(tiff_tag::kFocalLengthIn35mmFilm, {still.focal_35mm_mm});
   const auto exif_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());
   const auto mosaic_at = static_cast<std::uint32_t>(exif_at + exif.at(exif_at).size());
   std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, 8, 0, 0, 0};

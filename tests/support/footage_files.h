@@ -98,6 +98,7 @@ struct Exif {
   std::string model = {};            // of the camera; "": none
   std::uint16_t orientation = 1;     // as EXIF numbers them
   std::uint32_t exposure_index = 0;  // the sensitivity beyond 16 bits; 0: not stated
+  std::uint16_t focal_35mm_mm = 0;   // equivalent for 35 mm film; 0: not stated
   // In tenths of APEX, instead of time and f-number; both or none.
   std::optional<std::int32_t> time_apex = {}, aperture_apex = {};
 };
@@ -130,6 +131,7 @@ inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
     tags.rationals(tiff_tag::kApertureValue, {static_cast<std::uint32_t>(*exif.aperture_apex), 10});
   }
   text(tiff_tag::kSubSecTimeOriginal, exif.sub_second);
+  if (exif.focal_35mm_mm > 0) tags.shorts(tiff_tag::kFocalLengthIn35mmFilm, {exif.focal_35mm_mm});
   std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, kFirst, 0, 0, 0};
   for (const auto& directory : {first(second), tags.at(second)})
     bytes.insert(bytes.end(), directory.begin(), directory.end());

@@ -20,9 +20,10 @@ constexpr std::uint16_t kNewSubfileType = 254, kImageWidth = 256, kImageLength =
                         kFNumber = 33437, kExifDirectory = 34665, kIsoSpeed = 34855,
                         kRecommendedExposureIndex = 34866, kDateTimeOriginal = 36867,
                         kOffsetTimeOriginal = 36881, kShutterSpeedValue = 37377, kApertureValue = 37378,
-                        kSubSecTimeOriginal = 37521, kDngVersion = 50706, kUniqueCameraModel = 50708,
-                        kBlackLevelRepeatDim = 50713, kBlackLevel = 50714, kWhiteLevel = 50717,
-                        kColorMatrix1 = 50721, kAsShotNeutral = 50728, kActiveArea = 50829;
+                        kSubSecTimeOriginal = 37521, kFocalLengthIn35mmFilm = 41989, kDngVersion = 50706,
+                        kUniqueCameraModel = 50708, kBlackLevelRepeatDim = 50713, kBlackLevel = 50714,
+                        kWhiteLevel = 50717, kColorMatrix1 = 50721, kAsShotNeutral = 50728,
+                        kActiveArea = 50829;
 }  // namespace tiff_tag
 
 // Entries are added in the order of their tags.

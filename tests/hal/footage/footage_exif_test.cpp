@@ -121,6 +121,24 @@ TEST_CASE("an exposure that EXIF states in APEX alone is a time and an f-number"
   }
 }
 
+TEST_CASE("a focal length for 35 mm film is the lens of the clip, by the diagonal of its pictures") {
+  const std::string path = sample::scratch_folder("footage_lens") + "/a.jpg";
+  test::Exif exif;
+  const auto lens = [&] {
+    test::write_jpeg(path, patches(0, 72, 96), exif);  // a diagonal of 120 pixels, of 43.27 mm on film
+    const auto footage = open_footage(posix_storage(), {path}, 0);
+    REQUIRE(footage.ok());
+    return footage.value()->camera().intrinsics;
+  };
+  CHECK_FALSE(lens());
+  exif.focal_35mm_mm = 28;
+  REQUIRE(lens());
+  CHECK(lens()->fx_px == Approx(77.66).margin(0.01));
+  CHECK(lens()->fy_px == lens()->fx_px);
+  CHECK(lens()->cx_px == 48);
+  CHECK(lens()->cy_px == 36);
+}
+
 TEST_CASE("a sensitivity that EXIF states as recommended exposure index alone counts") {
   const std::string folder = sample::scratch_folder("footage_index");
   test::Exif exif{1, 1000, 0, 28};

@@ -181,6 +181,20 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK_FALSE(footage.value()->taken());
 }
 
+TEST_CASE("a raw still that states its focal length for 35 mm film has a lens") {
+  test::DngStill still;
+  still.code_at = code_at;
+  const std::string path = sample::scratch_folder("raw_still_lens") + "/x.dng";
+  auto footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
+  REQUIRE(footage.ok());
+  CHECK_FALSE(footage.value()->camera().intrinsics);
+  still.focal_35mm_mm = 50;
+  footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
+  REQUIRE(footage.ok());
+  REQUIRE(footage.value()->camera().intrinsics);
+  CHECK(footage.value()->camera().intrinsics->fx_px == Approx(92.45).margin(0.01));  // of 80 pixels' diagonal
+}
+
 TEST_CASE("a raw still whose exposure time is divided by zero does not state it") {
   test::DngStill still;
   still.code_at = code_at, still.shutter_per_s = 0;
