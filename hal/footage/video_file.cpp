@@ -196,7 +196,7 @@ Result<std::string> brand_of(Storage& storage, const std::string& path) {
 // Why FFmpeg could not open a file of that brand.
 const char* why_unread(const std::string& brand) {
   constexpr std::string_view kPictures[] = {"avif", "heic", "heim", "heis", "heix", "mif1"};
-  if (brand.empty()) return "is neither a video nor a picture that FFmpeg knows";
+  if (brand.empty()) return "is neither a video nor a picture that FFmpeg knows; convert it, or leave it out";
   if (std::ranges::find(kPictures, brand) != std::end(kPictures))
     return "is a HEIC or AVIF picture, which the FFmpeg of this machine cannot read; convert it to JPEG or "
            "PNG";
