@@ -95,8 +95,8 @@ std::string describe_pause(const FootagePlan& plan) {
   const auto& pause = plan.times.pause;
   if (!pause || pause->before >= plan.files.size()) return "";
   return fmt::format(
-      "'{}' was taken {:.0f} s after the still before it; a recording shows one scene, so if another begins "
-      "there, import the stills of each scene by themselves",
+      "'{}' was taken {:.0f} s after the still before it; a recording shows one scene in one light, so if "
+      "another begins there, import the stills of each by themselves",
       plan.files[pause->before], to_seconds(pause->length));
 }
 

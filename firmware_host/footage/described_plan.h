@@ -14,8 +14,8 @@ std::string describe(const FootageLosses& losses);
 // may be wrong; "" where none is.
 std::string describe_missing(const FootagePlan& plan);
 
-// Where EXIF shows a pause between stills: that they may be of several scenes, which would explain exposures
-// that pictures contradict; else "".
+// Where EXIF shows a pause between stills: that they may be of several scenes, or in other light, which would
+// explain exposures that pictures contradict; else "".
 std::string describe_pause(const FootagePlan& plan);
 
 // For people: what the footage is, its cycle, what is missing, and the first frames.
