@@ -1,5 +1,5 @@
 // A frame whose exposure is known: the output of capture/ and the input of the fit. Codes are linear in the
-// file's codes, scaled so that the largest code is 255 and a stated black level is 0 (exposed_stream.h), or
+// file's codes, scaled so that white is 255 and a stated black level is 0 (exposed_stream.h), or
 // their square roots (companding.h); the camera's response is still applied. Exposures are relative to the
 // clip's reference E_ref (geometric mean of the cycle), so that radiance L = 1 saturates the reference
 // exposure (docs/architecture.md). Move-only value.
@@ -9,6 +9,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
+#include "hal/core/white_level.h"
 
 namespace hdrcam {
 
@@ -23,10 +24,11 @@ struct ExposedFrame {
   // Share of the motion that blurs: exposure time over interval_s, 0..1, and more where a long exposure and
   // the short one before it end a frame apart; in online/ what counts of it (online/state/shown_blur.h).
   float blur_fraction = 0;
+  WhiteLevel white{};  // what the camera wrote where codes are 255, before a black level was removed
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 
   ExposedFrame without_codes() const {
-    return {facts, index, exposure, reference_exposure, interval_s, blur_fraction, {}};
+    return {facts, index, exposure, reference_exposure, interval_s, blur_fraction, white, {}};
   }
 };
 

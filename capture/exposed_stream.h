@@ -1,8 +1,9 @@
 // The end of capture/: raw frames of one stream -> exposed frames. Exposures are relative to the stream's
 // reference E_ref, the geometric mean of its cycle, so the first frames wait until that cycle is known;
 // from then on each frame is handed on as it arrives. One radiance scale holds for all frames: where their
-// black levels differ, exposures are those that saturate at the first stated one's. Thread-bound; no
-// allocation per frame after that.
+// black levels differ, exposures are those that saturate at the first stated one's. Where the response is
+// unknown, the waiting frames also show which codes are white. Thread-bound; no allocation per frame after
+// that.
 #pragma once
 
 #include <functional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "capture/to_exposed_frame.h"
+#include "capture/white_level.h"
 #include "hal/core/stage_timing.h"
 
 namespace hdrcam {
@@ -42,6 +44,7 @@ class ExposedStream {
   const std::size_t first_frames_;
   const StatedBlack stated_black_;
   const bool is_companded_;
+  WhiteSearch white_;
   ExposedFrameSettings settings_;
   // Of frames that state none: the first that one of the waiting frames states. None: black is taken for 0.
   std::optional<BlackLevel> black_level_;

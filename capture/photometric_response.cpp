@@ -34,11 +34,16 @@ float mean_camera(float code) {
 
 }  // namespace
 
-PhotometricResponse PhotometricResponse::unknown() {
+PhotometricResponse::PhotometricResponse(float darkest, double stretch, float white)
+    : darkest_(darkest), clipped_(clip_policy::kPhotometryClipped * (white / 255)), stretch_(stretch) {}
+
+PhotometricResponse PhotometricResponse::unknown(const WhiteLevel& white) {
   constexpr float kDarkest = 24;  // codes of 255
   constexpr double kStretch = 2.8;
-  PhotometricResponse response(kDarkest, kStretch);
-  for (std::size_t z = 0; z < 256; ++z) response.log_[z] = mean_camera(static_cast<float>(z));
+  const float at_white = white[kGreen];
+  PhotometricResponse response(kDarkest, kStretch, at_white);
+  for (std::size_t z = 0; z < 256; ++z)
+    response.log_[z] = mean_camera(std::min(255.f, static_cast<float>(z) * (255 / at_white)));
   return response;
 }
 
@@ -65,8 +70,9 @@ PhotometricResponse PhotometricResponse::linear_unknown_black(float most) {
 }
 
 PhotometricResponse PhotometricResponse::before_any_fit(bool linear,
-                                                        const std::optional<BlackLevel>& black_level) {
-  if (!linear) return unknown();
+                                                        const std::optional<BlackLevel>& black_level,
+                                                        const WhiteLevel& white) {
+  if (!linear) return unknown(white);
   return black_level ? PhotometricResponse::linear(*black_level) : linear_unknown_black();
 }
 
@@ -75,7 +81,8 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, const Black
   constexpr double kStretch = 1.1;
   const float black = black_level[kGreen];
   const float largest = std::log((255 - black) / 255);  // what the largest code is, as of linear()
-  PhotometricResponse response(black + kAboveBlack, kStretch);
+  const auto below_white = static_cast<float>(inverse.end() - 1 - std::ranges::find(inverse, inverse.back()));
+  PhotometricResponse response(black + kAboveBlack, kStretch, 255 - below_white * (255 - black) / 255);
   for (std::size_t z = 0; z < 256; ++z) {
     const float code = std::max(0.f, (static_cast<float>(z) - black) * 255 / (255 - black));
     const auto below = std::min<std::size_t>(254, static_cast<std::size_t>(code));
@@ -88,7 +95,7 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, const Black
 
 float PhotometricResponse::log_exposure(float code) const {
   if (code < darkest_) return -kInfinity;
-  if (code >= clip_policy::kPhotometryClipped) return kInfinity;
+  if (code >= clipped_) return kInfinity;
   if (linear_) return std::log((code - black_) / 255);
   const auto below = static_cast<std::size_t>(code);
   return log_[below] + (code - static_cast<float>(below)) * (log_[below + 1] - log_[below]);

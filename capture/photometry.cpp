@@ -6,7 +6,6 @@
 #include <limits>
 #include <span>
 
-#include "capture/clip_policy.h"
 #include "capture/site_alignment.h"
 #include "hal/core/median.h"
 
@@ -86,7 +85,7 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   const int box = std::min(kMostBox, cell / 2 * 2);
   const Greens green = greens(layout);
   const float to_255 = 255.f / static_cast<float>((1 << bits) - 1);
-  const auto clipped = static_cast<std::uint16_t>(clip_policy::kPhotometryClipped / to_255);
+  const auto clipped = static_cast<std::uint16_t>(response_.clipped_from() / to_255);
 
   signature.darkest_code = 255;
   std::size_t site = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "capture/exposure_schedule.h"
+#include "capture/white_level.h"
 
 namespace hdrcam {
 namespace {
@@ -102,8 +103,12 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
   if (frames.empty()) return;
-  for (const CapturedFrame& frame : frames)
+  WhiteSearch white(camera_);
+  for (const CapturedFrame& frame : frames) {
     if (!black_level_) black_level_ = frame.raw.facts.black_level;
+    white.observe(frame.raw);
+  }
+  white_level_ = white.found();
   for (const CapturedFrame& frame : frames)
     if (judgeable(frame.raw.facts)) learn_cycle(frame.raw.facts);
   std::vector<Judgement> by_later(frames.size());
@@ -135,7 +140,8 @@ void RecordedLabels::judge(CapturedFrame& frame) {
 // Raw stills of different gains may have different black levels.
 void RecordedLabels::look_at(const RawFrame& raw) {
   const auto& own = raw.facts.black_level;
-  photometer_.set_response(PhotometricResponse::before_any_fit(camera_.linear, own ? own : black_level_));
+  photometer_.set_response(
+      PhotometricResponse::before_any_fit(camera_.linear, own ? own : black_level_, white_level_));
   photometer_.observe(raw.codes, camera_.layout, camera_.bits, picture_);
 }
 

@@ -23,6 +23,7 @@
 #include "capture/order_check.h"
 #include "capture/photometry.h"
 #include "hal/core/frame.h"
+#include "hal/core/white_level.h"
 
 namespace hdrcam {
 
@@ -78,6 +79,7 @@ class RecordedLabels {
 
   const CameraFacts camera_;
   std::optional<BlackLevel> black_level_;  // of frames that state none: the first stated
+  WhiteLevel white_level_;                 // as the first frames show it
   Photometer photometer_;
   PhotometricSignature picture_;
   std::optional<Exposure> last_exposure_;  // of the frame before, where it was judged and has a label

@@ -35,6 +35,7 @@ Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
   frame.index = index;
   frame.interval_s = interval_s;
   frame.reference_exposure = settings.reference_exposure;
+  frame.white = settings.white;
   frame.exposure = static_cast<float>(raw.facts.exposure() / settings.reference_exposure);
   frame.blur_fraction = static_cast<float>(blur_fraction_of(raw.facts, interval_s, settings.frame_s));
 
@@ -46,9 +47,10 @@ Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
   const int channels = raw.codes.channels();
   frame.codes.reshape(3, raw.codes.rows(), raw.codes.cols());
   for (int c = 0; c < 3; ++c) {
+    const float stretched = scale * (kMaxCode / settings.white[static_cast<std::size_t>(c)]);
     const std::uint16_t* in = raw.codes.plane(channels == 3 ? c : 0);
     float* out = frame.codes.plane(c);
-    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i) out[i] = scaled_code(in[i], scale);
+    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i) out[i] = scaled_code(in[i], stretched);
   }
   return {};
 }

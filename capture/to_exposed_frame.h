@@ -1,5 +1,5 @@
-// Raw frame -> exposed frame: codes scaled to 0..255 whatever the bit depth, demosaiced, exposure relative to
-// the clip's reference; and the removal of a black level. Reentrant.
+// Raw frame -> exposed frame: codes scaled to 0..255 whatever the bit depth and the code of white,
+// demosaiced, exposure relative to the clip's reference; and the removal of a black level. Reentrant.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +23,7 @@ struct ExposedFrameSettings {
   double reference_exposure = 1;          // E_ref, seconds x gains
   double frame_s = 0;                     // from frame to frame, as the camera states it; 0: unknown
   PixelLayout layout = PixelLayout::Rgb;  // Mono is the same as Rgb with one channel
+  WhiteLevel white{};                     // becomes 255; not of a mosaic
 };
 
 // A Bayer mosaic is demosaiced (demosaic.h), mono is repeated on the three channels. `interval_s` is the time

@@ -10,6 +10,23 @@ namespace {
 // Of the quantiser, in codes of 255. Companded, steps of the quantiser are even in light, as read noise is.
 float code_step_of(const CameraFacts& camera) { return is_companded(camera) ? 0 : code_scale(camera.bits); }
 
+// Of codes of which white is not the largest, black removed and the range stretched again to 255.
+// camera_black: in these codes.
+Response below_white(const Response& response, const BlackLevel& black, const BlackLevel& camera_black,
+                     const WhiteLevel& white) {
+  std::array<Response::Curve, 3> inverse{}, uncertainty{};
+  for (std::size_t c = 0; c < inverse.size(); ++c) {
+    const float stretch = kMaxCode / white[c] * (kMaxCode - camera_black[c]) / (kMaxCode - black[c]);
+    const auto channel = static_cast<int>(c);
+    for (std::size_t z = 0; z < inverse[c].size(); ++z) {
+      const float code = std::min(kMaxCode, stretch * static_cast<float>(z));
+      inverse[c][z] = response.exposure_of(channel, code);
+      uncertainty[c][z] = response.uncertainty(channel, code);
+    }
+  }
+  return Response(inverse, uncertainty);
+}
+
 }  // namespace
 
 SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
@@ -40,6 +57,7 @@ void SensorModel::meet(const ExposedFrame& frame) {
   if (tables_.size() > kMaxTables) tables_.clear();
   if (reference_gain_ == 0) {
     reference_gain_ = frame.facts.gain();
+    white_level_ = frame.white;
     if (response_stated_) black_level_ = frame.facts.black_level.value_or(BlackLevel());  // as it was removed
   }
   if (blur_kind_ == BlurKind::Shown) shown_blur_.observe_exposure(frame);
@@ -69,6 +87,8 @@ void SensorModel::begin_anew(const ResponseEstimate& estimate, int frame) {
 void SensorModel::go_over_to(const ResponseEstimate& estimate) {
   response_ = estimate.response;
   if (!response_stated_) black_level_ = estimate.black_level;
+  if (!white_level_.is_largest_code())
+    own_response_ = below_white(response_, black_level_, camera_black_level(), white_level_);
   exposures_ = estimate.exposures;
   noise_origin_ = NoiseOrigin::Unknown;
   if (!estimate.noise || noise_kind_ != NoiseKind::Learned) return;
@@ -80,6 +100,12 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
 void SensorModel::correct(ExposedFrame& frame) const {
   if (!response_stated_) remove_black_level(frame, black_level_);
   frame.exposure = exposures_.corrected(frame.exposure);
+}
+
+BlackLevel SensorModel::camera_black_level() const {
+  BlackLevel black;
+  for (std::size_t c = 0; c < 3; ++c) black.set(c, black_level_[c] * (white_level_[c] / kMaxCode));
+  return black;
 }
 
 float SensorModel::count_blur(ExposedFrame& frame) const {

@@ -65,7 +65,8 @@ class SensorModel {
 
   // --- what is known ---
   const Response& response() const { return response_; }
-  // Of the codes that the camera itself writes: another one where they are companded (capture/companding.h).
+  // Of the codes that the camera itself writes, black removed and the range stretched again to 255: another
+  // one where they are companded (capture/companding.h), or white is not the largest code.
   const Response& camera_response() const { return own_response_ ? *own_response_ : response_; }
   // False where no frames say anything about the response yet, and the mean of real cameras stands in.
   bool response_measured() const { return response_stated_ || learner_.measured(); }
@@ -77,7 +78,8 @@ class SensorModel {
   }
   // The frames, counted from 0, with which the response became another one.
   const std::vector<int>& relearned() const { return relearned_; }
-  const BlackLevel& black_level() const { return black_level_; }
+  BlackLevel camera_black_level() const;  // in codes that the camera itself writes, as its white level
+  const WhiteLevel& camera_white_level() const { return white_level_; }
   const ExposureCorrections& exposures() const { return exposures_; }
   const NoiseModel& noise() const { return noise_; }  // at reference_gain()
   // False where no frames say anything about the noise yet, or are not asked: what was assumed stands in.
@@ -111,8 +113,9 @@ class SensorModel {
 
   ResponseLearner learner_;
   Response response_;
-  std::optional<Response> own_response_;  // the camera's, where its codes are companded
-  BlackLevel black_level_;
+  std::optional<Response> own_response_;  // the camera's, where it is another one
+  BlackLevel black_level_;                // where white is 255
+  WhiteLevel white_level_;
   ExposureCorrections exposures_;
   std::vector<int> relearned_;
   int begun_with_ = 0;  // the index of the first frame under this response

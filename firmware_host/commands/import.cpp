@@ -7,6 +7,7 @@
 
 #include "capture/recorded_labels.h"
 #include "capture/recording_stage.h"
+#include "capture/white_level.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/no_snapshot.h"
@@ -15,7 +16,6 @@
 #include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "firmware_host/footage/low_codes.h"
-#include "firmware_host/footage/white_level.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/start_time.h"
@@ -38,14 +38,23 @@ struct ImportOptions {
   std::unique_ptr<SettingsFlags> settings;
 };
 
-// What the codes themselves show to be wrong with them.
+// What the codes themselves show to be wrong or unusual with them.
 struct CodeChecks {
   LowCodes low;
-  WhiteLevel white;
+  WhiteSearch white;
 
   explicit CodeChecks(const CameraFacts& camera) : low(camera), white(camera) {}
   void observe(const RawFrame& frame) { low.observe(frame.codes), white.observe(frame); }
-  std::vector<std::string> warnings() const { return {low.warning(), white.warning()}; }
+  // Sentences without a full stop, or "".
+  std::string warning() const { return low.warning(); }
+  std::string note() const {
+    const WhiteLevel level = white.found();
+    if (level.is_largest_code()) return "";
+    return fmt::format(
+        "the pictures clip at {:.0f} of 255 in red, {:.0f} in green and {:.0f} in blue; a run takes that for "
+        "white if its first frames show it (docs/import.md, White level)",
+        level[0], level[1], level[2]);
+  }
 };
 
 // All frames, with the verdicts of the pictures on their exposures.
@@ -106,8 +115,8 @@ void show_warnings(const RecordingStage& clip, const CodeChecks& codes, const st
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
   const CaptureCounters frames = clip.counters();
   if (frames.contradicted + frames.relabelled > 0 && !suspicion.empty()) remark("note: {}\n", suspicion);
-  for (const std::string& warning : codes.warnings())
-    if (!warning.empty()) remark("warning: {}\n", warning);
+  if (const std::string warning = codes.warning(); !warning.empty()) remark("warning: {}\n", warning);
+  if (const std::string note = codes.note(); !note.empty()) remark("note: {}\n", note);
 }
 
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one

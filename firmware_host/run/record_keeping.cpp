@@ -137,9 +137,12 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
         "part");
   note_response(sensor, record);
   note_errors(sensor, record);
-  const BlackLevel& black = sensor.black_level();
+  const BlackLevel black = sensor.camera_black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
+  if (const WhiteLevel& white = sensor.camera_white_level(); !white.is_largest_code())
+    record.notes.push_back(
+        fmt::format("white level: {:.1f}, {:.1f}, {:.1f} codes of 255", white[0], white[1], white[2]));
   note_fallbacks(online, record);
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format("{} kept out of the fit: exposure not proved, or pixels damaged",

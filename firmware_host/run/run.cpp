@@ -228,7 +228,7 @@ void Run::tell_response() {
   if (!sensor().response_is_sure()) return;
   const std::size_t known = 1 + sensor().relearned().size();
   if (std::exchange(responses_told_, known) < known)
-    source_.learn_response(sensor().camera_response().inverse(1), sensor().black_level());
+    source_.learn_response(sensor().camera_response().inverse(1), sensor().camera_black_level());
 }
 
 // Asks the source for another cycle where the fit expects less error of it.

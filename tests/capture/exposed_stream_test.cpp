@@ -299,3 +299,25 @@ TEST_CASE("an exposure that cannot be is an error when its frame arrives, even w
   REQUIRE_FALSE(taken.ok());
   CHECK(taken.error().code == ErrorCode::BadExposure);
 }
+
+TEST_CASE("codes of which white is not the largest are stretched, where the response is unknown") {
+  test::MovingScene scene;
+  scene.sensitivity = 15;  // nothing is too bright
+  for (const StatedBlack stated : {StatedBlack::Kept, StatedBlack::Removed}) {
+    ExposedStream stream(scene.camera(), 6, stated);
+    Handed handed;
+    for (int i = 0; i < 7; ++i) {
+      RawFrame frame = scene.frame(i);
+      for (std::uint16_t& code : frame.codes.samples()) code = std::min<std::uint16_t>(code, 180);
+      for (int c = 0; c < 3; ++c)  // the first lines are white in every exposure
+        for (int x = 0; x < 3 * frame.codes.cols(); ++x) frame.codes.plane(c)[x] = 200;
+      REQUIRE(stream.take(frame, handed.keep()).ok());
+    }
+    const bool stretched = stated == StatedBlack::Kept;
+    for (const ExposedFrame& frame : handed.frames) {
+      CHECK(frame.white.is_largest_code() == !stretched);
+      CHECK(frame.codes.at(1, 0, 0) == Approx(stretched ? 255 : 200));
+      CHECK(*std::ranges::max_element(frame.codes.samples()) <= kMaxCode);
+    }
+  }
+}

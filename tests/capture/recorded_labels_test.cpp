@@ -110,6 +110,19 @@ TEST_CASE("right exposures of a recording stay as they are, and pictures prove t
   }
 }
 
+TEST_CASE("where a camera clips below the largest code, exposures are judged by what does not clip",
+          "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  scene.sensitivity = 1500;
+  std::vector<RawFrame> frames = filmed(scene, 24);
+  for (RawFrame& frame : frames)
+    for (std::uint16_t& code : frame.codes.samples()) code = static_cast<std::uint16_t>(code * 4 / 5);
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.warnings.empty());
+  CHECK(result.counters.proved >= 12);
+  CHECK(result.counters.contradicted == 0);
+}
+
 TEST_CASE(
     "exposures that were estimated from the pictures are estimated, never proved, and right among each other",
     "[capture]") {

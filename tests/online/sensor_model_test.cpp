@@ -128,7 +128,33 @@ TEST_CASE("under a known response the black level is the first frame's, which is
     raw.facts.black_level = BlackLevel(i == 0 ? 4 : 16);
     REQUIRE(exposed.take(raw, [&](ExposedFrame& frame) { return online.ingest(frame, {}, ignore); }).ok());
   }
-  CHECK(online.sensor().black_level() == BlackLevel(4));
+  CHECK(online.sensor().camera_black_level() == BlackLevel(4));
+}
+
+TEST_CASE("of a camera that clips below the largest code the response is found up to where it clips") {
+  constexpr double kWhite = 204, kShare = kWhite / 255;
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.sensitivity = 700;
+  WorkerPool pool(1);
+  const Knobs options = state_alone();
+  OnlineStage online(options, scene.camera(), std::nullopt, pool);
+  ExposedStream exposed(scene.camera(), options.bootstrap_frames, StatedBlack::Kept);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 8; ++i) {
+    RawFrame raw = scene.frame(i);
+    for (std::uint16_t& code : raw.codes.samples())
+      code = static_cast<std::uint16_t>(std::lround(kShare * code));
+    REQUIRE(exposed.take(raw, [&](ExposedFrame& frame) { return online.ingest(frame, {}, ignore); }).ok());
+  }
+  const SensorModel& sensor = online.sensor();
+  for (std::size_t c = 0; c < 3; ++c) CHECK(sensor.camera_white_level()[c] == Approx(kWhite).margin(1));
+  const auto light_at = [&](double code) {
+    return std::pow(static_cast<double>(sensor.camera_response().exposure_of(1, static_cast<float>(code))) /
+                        static_cast<double>(sensor.camera_response().exposure_of(1, 100)),
+                    1 / static_cast<double>(scene.gamma));
+  };
+  for (const double code : {50.0, 150.0, 190.0}) CHECK(light_at(code) == Approx(code / 100).epsilon(0.05));
+  CHECK(sensor.camera_response().exposure_of(1, kWhite) == Approx(1).epsilon(0.01));
 }
 
 TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {

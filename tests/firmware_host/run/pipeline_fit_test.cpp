@@ -49,7 +49,7 @@ Emitted emitted_by(const std::vector<RawFrame>& frames, const CameraFacts& camer
   };
   for (const RawFrame& frame : frames) require_done(pipeline.take(frame, deliver));
   require_done(pipeline.finish(deliver));
-  emitted.black_level = pipeline.online().sensor().black_level();
+  emitted.black_level = pipeline.online().sensor().camera_black_level();
   return emitted;
 }
 
