@@ -98,6 +98,7 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice
       cols_(cols),
       pool_(pool),
       flow_(make_dense_flow(rows, cols, pool, gpu)),
+      shake_(rows, cols),
       bridge_error_(rows, cols),
       landing_(rows, cols) {}
 
@@ -107,16 +108,18 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
   const ScratchLease room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors};
-  if (last_.empty()) {
-    gray_of_state(state.radiance, nullptr, tables, state_gray_, pool_);
-  } else {
+  gray_of_state(state.radiance, nullptr, tables, state_gray_, pool_);
+  if (!last_.empty()) {
+    shake_prediction(context.before_ratio);
     start_at_prediction(context.before_ratio, request);
     const ScratchLease blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
     const float fraction = context.before_ratio * frame.blur_fraction;
     const bool blurs = context.blurs && exposure_blurs(predicted_, fraction, pool_);
-    if (blurs) blur_difference(state.radiance, predicted_, fraction, blur_, pool_);
-    gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
+    if (blurs) {
+      blur_difference(state.radiance, predicted_, fraction, blur_, pool_);
+      gray_of_state(state.radiance, &blur_, tables, state_gray_, pool_);
+    }
   }
   flow_->compute(context.flow, request);
   if (rated.to_previous) rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
@@ -154,6 +157,17 @@ bool MotionEstimator::is_worth_bridging(After&& after) const {
   for (std::size_t i = 0; i < clipped_.size() && useful <= enough; ++i)
     useful += static_cast<double>(clipped_.samples()[i] * (1 - after(i)));
   return useful > enough;
+}
+
+// By what the grays tell of the camera.
+void MotionEstimator::shake_prediction(float ratio) {
+  const Offset shake = shake_.measure(frame_gray_, state_gray_, predicted_, ratio, pool_);
+  if (shake.x == 0 && shake.y == 0) return;
+  const float u = shake.x / ratio, v = shake.y / ratio;
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) predicted_.row(0, y)[x] += u, predicted_.row(1, y)[x] += v;
+  });
 }
 
 // Where a search between a frame and the state starts: the motion that was predicted, for `ratio` of the last

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "online/priors/motion/bridge_error.h"
+#include "online/priors/motion/camera_shake.h"
 #include "online/priors/motion/dense_flow.h"
 #include "online/priors/motion/landing.h"
 #include "online/priors/motion/motion_prior.h"
@@ -25,6 +26,7 @@ class MotionEstimator final : public MotionPrior {
   std::string fallback_reason() const override { return flow_->fallback_reason(); }
 
  private:
+  void shake_prediction(float ratio);
   void start_at_prediction(float ratio, FlowRequest& request) const;
   void continue_predicted(float ratio, Image<float>& to);
   template <class After>
@@ -37,6 +39,7 @@ class MotionEstimator final : public MotionPrior {
   int rows_, cols_;
   WorkerPool& pool_;
   std::unique_ptr<DenseFlow> flow_;
+  CameraShake shake_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
   Image<float> measured_before_;  // the same of the step before it

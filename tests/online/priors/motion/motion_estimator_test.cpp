@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "capture/to_exposed_frame.h"
 #include "online/priors/motion/motion_estimator.h"
@@ -114,6 +115,27 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
   CHECK(to / count < 0.1);
   CHECK(from / count < 0.1);
   CHECK(trusted / count > 0.8);
+}
+
+TEST_CASE("a camera that shakes is followed in frames too dark for their patches to tell") {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 5);
+  const auto dark = [&](int index, float at_px, bool noisy) {
+    ExposedFrame frame = leaves(index, at_px);
+    for (float& code : frame.codes.samples()) code = 0.1f * code + 10;
+    if (noisy)
+      for (float& code : frame.codes.samples()) code = std::max(0.f, code + noise(random));
+    return frame;
+  };
+  Following follow;
+  follow.step(dark(0, 0, false), dark(1, 1, false));
+  follow.step(dark(1, 1, false), dark(2, 0, true));  // a pixel forward, then a pixel back
+  double mean = 0;
+  int count = 0;
+  for (int y = 16; y < kRows - 16; ++y)
+    for (int x = 16; x < kCols - 16; ++x, ++count)
+      mean += static_cast<double>(follow.motion.to_previous.vectors.at(0, y, x));
+  CHECK(mean / count == Approx(1).margin(0.3));
 }
 
 TEST_CASE("motion is the same for any number of threads, and zero for a picture too small to match") {

@@ -1,0 +1,174 @@
+#include "online/priors/motion/camera_shake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capture/clip_policy.h"
+#include "hal/core/median.h"
+#include "online/priors/motion/flow_kernels.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kLeastSide = 15, kMostSide = 135;  // pixels: the shorter side of the coarsest, the finest level
+constexpr int kSquare = 32;                      // pixels of full size: the side of the chessboard's squares
+constexpr std::size_t kSmallPicture = 5000;      // pixels
+constexpr std::size_t kFewestEdges = 30;         // pixels of a level and half
+constexpr float kHardlyMoved = 0.1f;             // pixels
+constexpr float kAgreed = 0.25f;                 // of what both say: how far the halves may be apart
+
+void halve(const Image<float>& picture, Image<float>& half) {
+  const int rows = picture.rows() / 2, cols = picture.cols() / 2;
+  half.reshape(1, rows, cols);
+  flow_kernels().halve(picture.plane(0), picture.cols(), rows, cols, half.plane(0), cols);
+}
+
+// Between four pixels, all of which are there.
+float code_at(const Image<float>& picture, float x, float y) {
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const float fx = x - static_cast<float>(left), fy = y - static_cast<float>(top);
+  const float *a = picture.row(0, top) + left, *b = picture.row(0, top + 1) + left;
+  const float above = a[0] + fx * (a[1] - a[0]), below = b[0] + fx * (b[1] - b[0]);
+  return above + fy * (below - above);
+}
+
+float length_of(Offset offset) { return std::hypot(offset.x, offset.y); }
+
+// What Gauss and Newton's step for two unknowns is made of.
+struct Normal {
+  double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
+
+  void add(double weight, double slope_x, double slope_y, double difference) {
+    xx += weight * slope_x * slope_x, xy += weight * slope_x * slope_y, yy += weight * slope_y * slope_y;
+    x += weight * slope_x * difference, y += weight * slope_y * difference;
+  }
+  Offset step() const {
+    constexpr double kDamping = 1e-3, kTiny = 1e-6;
+    const double damping = kDamping * (xx + yy) + kTiny, a = xx + damping, b = yy + damping;
+    const double scale = 1 / (a * b - xy * xy);
+    return {static_cast<float>(scale * (b * x - xy * y)), static_cast<float>(scale * (a * y - xy * x))};
+  }
+};
+
+}  // namespace
+
+CameraShake::CameraShake(int rows, int cols) : farthest_px_(static_cast<float>(rows + cols) / 70) {
+  const int shorter = std::min(rows, cols);
+  for (int scale = 1; shorter >> scale >= kLeastSide; ++scale)
+    if (shorter >> scale <= kMostSide) levels_.push_back({scale, {}, {}});
+}
+
+Offset CameraShake::measure(const Image<float>& frame, const Image<float>& state,
+                            const Image<float>& predicted, float ratio, WorkerPool& pool) {
+  if (levels_.empty()) return {};
+  shrink(frame, state);
+  std::array<std::optional<Offset>, 2> told;
+  pool.for_each(2, [&](int half) { told[static_cast<std::size_t>(half)] = follow(half, predicted, ratio); });
+  const auto& [a, b] = told;
+  if (!a || !b) return {};
+  const Offset both{(a->x + b->x) / 2, (a->y + b->y) / 2};
+  const float far = length_of(both), apart = length_of({a->x - b->x, a->y - b->y});
+  return far > kHardlyMoved && far < farthest_px_ && apart < kAgreed * far ? both : Offset{};
+}
+
+void CameraShake::shrink(const Image<float>& frame, const Image<float>& state) {
+  const auto to_first = [&](const Image<float>& picture, Image<float> Level::*small) {
+    Image<float>& first = levels_.front().*small;
+    halve(picture, first);
+    for (int scale = 1; scale < levels_.front().scale; ++scale) {
+      Image<float> smaller;
+      halve(first, smaller);
+      first = std::move(smaller);
+    }
+    for (std::size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1].*small, levels_[i].*small);
+  };
+  to_first(frame, &Level::frame), to_first(state, &Level::state);
+}
+
+// What one half of the picture tells, from coarse to fine.
+std::optional<Offset> CameraShake::follow(int half, const Image<float>& predicted, float ratio) {
+  constexpr int kMostSteps = 6;
+  Offset moved;
+  for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
+    find_edges(half, *level, predicted, ratio);
+    Half& own = halves_[static_cast<std::size_t>(half)];
+    for (int step = 0; step < kMostSteps; ++step) {
+      const bool goes_on = approach(*level, own, moved);
+      if (own.differences.size() < kFewestEdges) return std::nullopt;
+      if (!goes_on) break;
+    }
+  }
+  return moved;
+}
+
+// All pixels of a small picture; of a larger one those whose slope is above the mean, which tell most.
+void CameraShake::find_edges(int half, const Level& level, const Image<float>& predicted, float ratio) {
+  const Image<float>& state = level.state;
+  const int rows = state.rows(), cols = state.cols();
+  const auto slope_at = [&](int y, int x) {
+    return Offset{0.5f * (state.at(0, y, x + 1) - state.at(0, y, x - 1)),
+                  0.5f * (state.at(0, y + 1, x) - state.at(0, y - 1, x))};
+  };
+  double sum = 0;
+  for (int y = 1; y < rows - 1; ++y)
+    for (int x = 1; x < cols - 1; ++x) {
+      const Offset slope = slope_at(y, x);
+      sum += static_cast<double>(slope.x * slope.x + slope.y * slope.y);
+    }
+  const auto mean = static_cast<float>(sum / static_cast<double>(state.plane_size()));
+  const float least_slope2 = state.plane_size() > kSmallPicture ? mean : 0;
+  const float shrunk = ratio / static_cast<float>(1 << level.scale);
+  std::vector<EdgePixel>& edges = halves_[static_cast<std::size_t>(half)].edges;
+  edges.clear();
+  for (int y = 1; y < rows - 1; ++y)
+    for (int x = 1; x < cols - 1; ++x) {
+      const int full_x = x << level.scale, full_y = y << level.scale;
+      if ((full_x / kSquare + full_y / kSquare) % 2 != half) continue;
+      const float code = state.at(0, y, x);
+      const Offset slope = slope_at(y, x);
+      if (code > clip_policy::kMotionShare.brightest) continue;
+      if (slope.x * slope.x + slope.y * slope.y <= least_slope2) continue;
+      const Offset moved = shrunk * offset_at(predicted, full_x, full_y);
+      edges.push_back(
+          {code, slope.x, slope.y, static_cast<float>(x) - moved.x, static_cast<float>(y) - moved.y});
+    }
+}
+
+// One step, of at most a pixel of the level; whether the next one may be worth it.
+bool CameraShake::approach(const Level& level, Half& half, Offset& moved) {
+  constexpr float kUnseen = std::numeric_limits<float>::infinity();
+  constexpr double kLeastSpread2 = 0.05, kCauchy2 = 4;  // codes^2; squared scale of the weights, in sigmas
+  constexpr float kArrived = 0.02f;                     // pixels of the level
+  const float size = static_cast<float>(1 << level.scale);
+  const float u = moved.x / size, v = moved.y / size;
+  const auto right = static_cast<float>(level.frame.cols() - 2),
+             bottom = static_cast<float>(level.frame.rows() - 2);
+  half.differences.clear(), half.sorted.clear();
+  for (const EdgePixel& edge : half.edges) {
+    const float x = edge.x - u, y = edge.y - v;
+    const bool is_there = x >= 1 && y >= 1 && x < right && y < bottom;
+    const float code = is_there ? code_at(level.frame, x, y) : kUnseen;
+    const bool counts = code <= clip_policy::kMotionShare.brightest;
+    half.differences.push_back(counts ? code - edge.code : kUnseen);
+    if (counts) half.sorted.push_back(code - edge.code);
+  }
+  if (half.sorted.size() < kFewestEdges) return half.differences.clear(), false;
+  const float offset = median(half.sorted);
+  for (float& difference : half.sorted) difference = std::abs(difference - offset);
+  const double sigma = kSigmaPerMad * static_cast<double>(median(half.sorted));
+  const double scale2 = std::max(kLeastSpread2, kCauchy2 * sigma * sigma);
+  Normal normal;
+  for (std::size_t i = 0; i < half.edges.size(); ++i) {
+    if (half.differences[i] == kUnseen) continue;
+    const auto difference = static_cast<double>(half.differences[i] - offset);
+    normal.add(1 / (1 + difference * difference / scale2), static_cast<double>(half.edges[i].slope_x),
+               static_cast<double>(half.edges[i].slope_y), difference);
+  }
+  const Offset step = normal.step();
+  const float length = length_of(step), scale = size / std::max(1.f, length);
+  moved = {moved.x + scale * step.x, moved.y + scale * step.y};
+  return length >= kArrived;
+}
+
+}  // namespace hdrcam
