@@ -15,7 +15,7 @@ constexpr int kLeastSide = 15, kMostSide = 135;  // pixels: the shorter side of 
 constexpr int kSquare = 32;                      // pixels of full size: the side of the chessboard's squares
 constexpr std::size_t kSmallPicture = 5000;      // pixels
 constexpr std::size_t kFewestEdges = 30;         // pixels of a level and half
-constexpr float kHardlyMoved = 0.1f;             // pixels
+constexpr float kHardlyMoved = 0.5f;             // pixels: patches find that themselves
 constexpr float kAgreed = 0.25f;                 // of what both say: how far the halves may be apart
 
 void halve(const Image<float>& picture, Image<float>& half) {

@@ -46,7 +46,7 @@ TEST_CASE("a picture that has moved as a whole is followed through noise as stro
   WorkerPool pool(2);
   CameraShake shake(kRows, kCols);
   for (const double noise_codes : {0., 6.})
-    for (const Offset moved : {Offset{3, -1}, Offset{-2, 2}, Offset{0.5f, 0}}) {
+    for (const Offset moved : {Offset{3, -1}, Offset{-2, 2}, Offset{1, 0.5f}}) {
       CAPTURE(noise_codes, moved.x, moved.y);
       const Image<float> state = picture({0, 0}, 0, 1), frame = picture(moved, noise_codes, 2);
       check_near(shake.measure(frame, state, motion_of({0, 0}), 1, pool), {-moved.x, -moved.y});
