@@ -81,7 +81,9 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, const Black
   constexpr double kStretch = 1.1;
   const float black = black_level[kGreen];
   const float largest = std::log((255 - black) / 255);  // what the largest code is, as of linear()
-  const auto below_white = static_cast<float>(inverse.end() - 1 - std::ranges::find(inverse, inverse.back()));
+  constexpr float kLevel = 1 - 6e-4f;                   // a curve rises by 2e-6 a code where it is level
+  const auto white = std::ranges::find_if(inverse, [&](float x) { return x >= kLevel * inverse.back(); });
+  const auto below_white = static_cast<float>(inverse.end() - 1 - white);
   PhotometricResponse response(black + kAboveBlack, kStretch, 255 - below_white * (255 - black) / 255);
   for (std::size_t z = 0; z < 256; ++z) {
     const float code = std::max(0.f, (static_cast<float>(z) - black) * 255 / (255 - black));

@@ -15,6 +15,7 @@ namespace {
 constexpr int kDarkestWhite = 128;    // codes of 255
 constexpr double kLeastShare = 0.01;  // of the pixels, that are white
 constexpr double kMostAbove = 0.1;    // of the white ones: what lies above is how compression smears them
+constexpr double kMostCast = 16;      // codes of 255, between white's channels: a coloured light is not white
 constexpr std::size_t kMostExposures = 9;
 
 // Pixels by the mean code of their channels, rounded to codes of 255.
@@ -28,7 +29,7 @@ class MeanCodes {
   std::size_t of(std::size_t pixel) const {
     std::uint32_t sum = 0;
     for (int c = 0; c < codes_.channels(); ++c) sum += codes_.plane(c)[pixel];
-    return static_cast<std::size_t>(std::lround(sum * scale_));
+    return static_cast<std::size_t>(std::min(255l, std::lround(sum * scale_)));  // files may state fewer bits
   }
 
   std::array<double, 256> shares_below() const {
@@ -75,6 +76,7 @@ double WhiteSearch::Seen::code_at(double share) const {
 
 void WhiteSearch::observe(const RawFrame& frame) {
   if (!is_judged_ || frame.codes.empty() || !frame.facts.has_exposure()) return;
+  if ((frame.facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) return;
   const double exposure_ev = std::log2(frame.facts.exposure());
   constexpr double kSameExposure_ev = 0.25;
   const bool is_known = std::ranges::any_of(
@@ -85,21 +87,28 @@ void WhiteSearch::observe(const RawFrame& frame) {
   seen.exposure_ev = exposure_ev, seen.darker = means.shares_below();
   const auto white = means.white();
   if (!white) return;
-  seen.white = White{static_cast<double>(*white), 1 - seen.darker[*white - 1], {}};
+  White found{static_cast<double>(*white), 1 - seen.darker[*white - 1], {}};
   for (int c = 0; c < 3; ++c)
-    seen.white->of_channel[static_cast<std::size_t>(c)] =
+    found.of_channel[static_cast<std::size_t>(c)] =
         mean_of_white(frame.codes, bits_, means, *white, std::min(c, frame.codes.channels() - 1));
+  const auto [least, most] = std::ranges::minmax(found.of_channel);
+  if (most - least <= kMostCast) seen.white = found;
 }
 
 bool WhiteSearch::is_clipped_in(const Seen& bright, const Seen& other) {
   constexpr double kApart_ev = 1, kAlike = 1.5, kMany = 16;  // codes of 255
-  constexpr double kTail = 0.1;                              // of the white pixels: noise, and what moved
+  constexpr double kFirst = 0.1,
+                   kLast = 0.9;    // of the white pixels, from the brightest: those that are compared
+  constexpr double kGrown = 0.95;  // of the longer exposure's: a logo has the same share in both
   if (std::abs(other.exposure_ev - bright.exposure_ev) < kApart_ev) return false;
   const White& white = *bright.white;
-  if (other.exposure_ev < bright.exposure_ev &&
-      other.code_at(1 - kTail * white.share) - other.code_at(1 - (1 - kTail) * white.share) >= kMany)
+  const bool is_shorter = other.exposure_ev < bright.exposure_ev;
+  if (is_shorter && other.code_at(1 - kFirst * white.share) - other.code_at(1 - kLast * white.share) >= kMany)
     return true;
   if (!other.white) return false;
+  const double shorter = is_shorter ? other.white->share : white.share,
+               longer = is_shorter ? white.share : other.white->share;
+  if (shorter > kGrown * longer) return false;
   double differ = 0;
   for (std::size_t c = 0; c < 3; ++c)
     differ = std::max(differ, std::abs(other.white->of_channel[c] - white.of_channel[c]));

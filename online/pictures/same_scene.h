@@ -30,7 +30,7 @@ double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::si
 // Whether some channel has so many cells that are not clipped and differ by more than noise.
 bool shows_scene(const SceneThumbnail& thumbnail, std::size_t fewest_cells);
 
-// Both of one size. True also where their cells do not tell.
+// Both of one size. True also where too few cells are clipped in neither, or all of one are equal.
 bool shows_one_scene(const ExposedFrame& a, const ExposedFrame& b);
 
 }  // namespace hdrcam

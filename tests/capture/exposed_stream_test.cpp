@@ -309,8 +309,8 @@ TEST_CASE("codes of which white is not the largest are stretched, where the resp
     for (int i = 0; i < 7; ++i) {
       RawFrame frame = scene.frame(i);
       for (std::uint16_t& code : frame.codes.samples()) code = std::min<std::uint16_t>(code, 180);
-      for (int c = 0; c < 3; ++c)  // the first lines are white in every exposure
-        for (int x = 0; x < 3 * frame.codes.cols(); ++x) frame.codes.plane(c)[x] = 200;
+      for (int c = 0; c < 3; ++c)  // the first lines are white, more of them in longer exposures
+        std::fill_n(frame.codes.plane(c), 3 * (1 + i % 3) * frame.codes.cols(), 200);
       REQUIRE(stream.take(frame, handed.keep()).ok());
     }
     const bool stretched = stated == StatedBlack::Kept;

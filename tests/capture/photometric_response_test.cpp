@@ -1,7 +1,11 @@
 #include "capture/photometric_response.h"
 
-#include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
+
+#include "online/response/response.h"
+
+#include <catch2/catch.hpp>
 
 namespace hdrcam {
 namespace {
@@ -55,6 +59,17 @@ TEST_CASE("codes that are too dark or may be clipped have no exposure", "[captur
   const auto response = PhotometricResponse::before_any_fit(true, BlackLevel(16));
   CHECK(response.log_exposure(17) < -1e30f);
   CHECK(response.log_exposure(252) > 1e30f);
+}
+
+TEST_CASE("of a learned response that is level from white on, codes from near white on are clipped") {
+  Response::Curve inverse{};
+  for (std::size_t z = 0; z < inverse.size(); ++z) inverse[z] = std::min(1.f, static_cast<float>(z) / 200);
+  const Response learned({inverse, inverse, inverse});
+  const auto response = PhotometricResponse::known(learned.inverse(1), BlackLevel());
+  CHECK(response.clipped_from() == Approx(200 * 250 / 255.).margin(1));
+  CHECK(std::isfinite(response.log_exposure(180)));
+  CHECK(std::isinf(response.log_exposure(200)));
+  CHECK(PhotometricResponse::known(Response::gamma(2.2f).inverse(1), BlackLevel()).clipped_from() == 250);
 }
 
 }  // namespace

@@ -58,8 +58,13 @@ TEST_CASE("where pictures of several exposures clip below the largest code, thes
   check_near(found_in(camera_of(8, PixelLayout::Mono), {1, 4}, {200, 0, 0}), {200, 200, 200});
 }
 
-TEST_CASE(
-    "pictures that clip at the largest code, or of which one exposure alone clips, have no other white") {
+TEST_CASE("one exposure that clips shows white where a shorter one tells its pixels apart") {
+  const CameraFacts camera = camera_of(8);
+  check_near(found_in(camera, {1, 0.02}, {240, 240, 240}), {240, 240, 240});
+  CHECK(found_in(camera, {1, 0.0001}, {240, 240, 240}).is_largest_code());  // all but black
+}
+
+TEST_CASE("pictures that clip at the largest code, or of one exposure, have no other white") {
   const CameraFacts camera = camera_of(8);
   CHECK(found_in(camera, {1, 4}, {255, 255, 255}).is_largest_code());
   CHECK(found_in(camera, {1, 4}, {254, 254, 254}).is_largest_code());
@@ -77,6 +82,30 @@ TEST_CASE("the brightest thing of a scene that is brighter in the longer exposur
     search.observe(wall);
   }
   CHECK(search.found().is_largest_code());
+}
+
+TEST_CASE("a coloured light, and what is the same in all frames, is not white") {
+  const CameraFacts camera = camera_of(8);
+  CHECK(found_in(camera, {1, 4}, {255, 255, 0}).is_largest_code());
+  CHECK(found_in(camera, {1, 0.02}, {255, 255, 200}).is_largest_code());
+  WhiteSearch logo(camera);
+  for (const double exposure_s : {0.01, 0.02}) {
+    RawFrame frame = ramp(camera, exposure_s, {240, 240, 240});
+    for (int c = 0; c < 3; ++c) std::fill_n(frame.codes.plane(c), frame.codes.plane_size() / 10, 200);
+    logo.observe(frame);
+  }
+  CHECK(logo.found().is_largest_code());
+}
+
+TEST_CASE("white is not looked for in damaged frames, and codes beyond the stated bits do no harm") {
+  WhiteSearch search(camera_of(8));
+  for (const double exposure_s : {1.0, 4.0}) {
+    RawFrame frame = ramp(camera_of(8), exposure_s, {240, 240, 240});
+    frame.facts.flags = kFrameDamaged;
+    search.observe(frame);
+  }
+  CHECK(search.found().is_largest_code());
+  CHECK(found_in(camera_of(8), {1, 4}, {4095, 4095, 4095}).is_largest_code());
 }
 
 TEST_CASE("white is not looked for in linear codes, mosaics and frames without an exposure") {

@@ -54,10 +54,20 @@ struct Normal {
 }  // namespace
 
 CameraShake::CameraShake(int rows, int cols) : farthest_px_(static_cast<float>(rows + cols) / 70) {
-  const int shorter = std::min(rows, cols);
-  for (int scale = 1; shorter >> scale >= kLeastSide; ++scale)
-    if (shorter >> scale <= kMostSide) levels_.push_back({scale, {}, {}});
+  for (int scale = 1; std::min(rows, cols) >> scale >= kLeastSide; ++scale) {
+    Level& level = levels_.emplace_back();
+    level.scale = scale;
+    for (Image<float>* picture : {&level.frame, &level.state})
+      *picture = Image<float>(1, rows >> scale, cols >> scale);
+  }
+  for (const Level& level : levels_)
+    if (level.is_compared())
+      for (Half& half : halves_)
+        for (std::size_t most = level.frame.plane_size(); half.edges.capacity() < most;)
+          half.edges.reserve(most), half.differences.reserve(most), half.sorted.reserve(most);
 }
+
+bool CameraShake::Level::is_compared() const { return std::min(frame.rows(), frame.cols()) <= kMostSide; }
 
 Offset CameraShake::measure(const Image<float>& frame, const Image<float>& state,
                             const Image<float>& predicted, float ratio, WorkerPool& pool) {
@@ -73,24 +83,18 @@ Offset CameraShake::measure(const Image<float>& frame, const Image<float>& state
 }
 
 void CameraShake::shrink(const Image<float>& frame, const Image<float>& state) {
-  const auto to_first = [&](const Image<float>& picture, Image<float> Level::*small) {
-    Image<float>& first = levels_.front().*small;
-    halve(picture, first);
-    for (int scale = 1; scale < levels_.front().scale; ++scale) {
-      Image<float> smaller;
-      halve(first, smaller);
-      first = std::move(smaller);
-    }
-    for (std::size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1].*small, levels_[i].*small);
-  };
-  to_first(frame, &Level::frame), to_first(state, &Level::state);
+  const Image<float>*finer_frame = &frame, *finer_state = &state;
+  for (Level& level : levels_) {
+    halve(*finer_frame, level.frame), halve(*finer_state, level.state);
+    finer_frame = &level.frame, finer_state = &level.state;
+  }
 }
 
 // What one half of the picture tells, from coarse to fine.
 std::optional<Offset> CameraShake::follow(int half, const Image<float>& predicted, float ratio) {
   constexpr int kMostSteps = 6;
   Offset moved;
-  for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
+  for (auto level = levels_.rbegin(); level != levels_.rend() && level->is_compared(); ++level) {
     find_edges(half, *level, predicted, ratio);
     Half& own = halves_[static_cast<std::size_t>(half)];
     for (int step = 0; step < kMostSteps; ++step) {

@@ -35,6 +35,7 @@ class CameraShake {
   struct Level {
     int scale = 0;
     Image<float> frame, state;
+    bool is_compared() const;
   };
   // A pixel at an edge of the state: its code, its slope, and where it is predicted to be in the frame.
   struct EdgePixel {
@@ -51,7 +52,7 @@ class CameraShake {
   static bool approach(const Level& level, Half& half, Offset& moved);
 
   const float farthest_px_;
-  std::vector<Level> levels_;  // from fine to coarse
+  std::vector<Level> levels_;  // from fine to coarse; the coarser ones are compared
   std::array<Half, 2> halves_;
 };
 

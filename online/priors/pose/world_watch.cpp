@@ -18,7 +18,7 @@ bool is_cut(const SceneThumbnail& before, const SceneThumbnail& after) {
 }  // namespace
 
 SceneThumbnail WorldWatch::small(const ExposedFrame& frame) {
-  constexpr int kLines = 64;  // are enough, and a few tenths of a millisecond at 640x480
+  constexpr int kLines = 64;  // are enough, and below a millisecond at 640x480
   return thumbnail_of(frame, std::max(1, frame.codes.rows() / kLines), scratch_);
 }
 
