@@ -50,7 +50,7 @@ TEST_CASE("record says how the cycle followed the light") {
 TEST_CASE("a deadline that nothing can hold costs previews and HDR frames, never captured or recorded ones") {
   const std::string folder = sample::scratch_folder("live_late");
   const test::Ran ended =
-      test::ran({"live", "--camera", "sim:still?size=64x48&fps=20", "--format", "RGB24", "--shutter",
+      test::ran({"live", "--camera", "sim:still?size=128x96&rays=1&fps=20", "--format", "RGB24", "--shutter",
                  "1ms,4ms", "--deadline", "1us", "--frames", "60", "-o", folder + "/%06d.exr", "--preview",
                  folder + "/%06d.png", "--record", folder + "/raw.mkv", "--stats", folder + "/stats.json"});
   INFO(ended.output);
