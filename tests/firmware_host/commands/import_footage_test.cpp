@@ -22,6 +22,24 @@ using test::scene;
 using test::times_in;
 using test::write_bracket;
 
+namespace {
+
+// What import says of a folder that it takes: where it lists it, and where it writes a recording.
+std::vector<std::string> outputs_of_import(const std::string& folder) {
+  std::vector<std::string> outputs;
+  for (const std::vector<std::string>& end :
+       {std::vector<std::string>{"--list"}, {"-o", folder + "/x.mkv"}}) {
+    std::vector<std::string> words{"import", folder};
+    words.insert(words.end(), end.begin(), end.end());
+    const test::Ran imported = test::ran(words);
+    CHECK(imported.exit_code == 0);
+    outputs.push_back(imported.output);
+  }
+  return outputs;
+}
+
+}  // namespace
+
 TEST_CASE(
     "videos of alternating exposures get each frame's exposure, whatever the first one is and what is lost") {
   const std::string folder = sample::scratch_folder("import_video");
@@ -291,14 +309,8 @@ TEST_CASE("where pictures contradict exposures after a pause, another scene may 
     test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
   }
   const std::string hint = "note: '" + folder + "/IMG_3.JPG' was taken 600 s after the still before it";
-  for (const std::vector<std::string>& end :
-       {std::vector<std::string>{"--list"}, {"-o", folder + "/x.mkv"}}) {
-    std::vector<std::string> words{"import", folder};
-    words.insert(words.end(), end.begin(), end.end());
-    const test::Ran imported = test::ran(words);
-    CHECK(imported.exit_code == 0);
-    CHECK_THAT(imported.output, Contains("their pictures contradict their exposures") && Contains(hint));
-  }
+  for (const std::string& output : outputs_of_import(folder))
+    CHECK_THAT(output, Contains("their pictures contradict their exposures") && Contains(hint));
 }
 
 TEST_CASE("pictures and videos of one folder do not make one clip") {
@@ -439,14 +451,8 @@ TEST_CASE("where pictures clip below the largest code import notes what a run ta
     test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), codes,
                      test::Exif{1u << 2 * (i % 3), 1000, 100, 80});
   }
-  for (const std::vector<std::string>& end :
-       {std::vector<std::string>{"--list"}, {"-o", folder + "/x.mkv"}}) {
-    std::vector<std::string> words{"import", folder};
-    words.insert(words.end(), end.begin(), end.end());
-    const test::Ran imported = test::ran(words);
-    CHECK(imported.exit_code == 0);
-    CHECK_THAT(imported.output, Contains("note: the pictures clip at 2") && Contains("White level)"));
-  }
+  for (const std::string& output : outputs_of_import(folder))
+    CHECK_THAT(output, Contains("note: the pictures clip at 2") && Contains("White level)"));
 }
 
 TEST_CASE("16-bit pictures whose codes lie in the lower 12 bits are imported with a warning") {
