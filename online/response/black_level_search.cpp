@@ -7,17 +7,24 @@
 
 namespace hdrcam {
 
-float find_black_level(float darkest, float most, const std::function<CurveMisfit(float)>& misfit_at) {
+float find_black_level(float darkest, float most, const std::function<CurveMisfit(float)>& misfit_at,
+                       float of_others) {
   constexpr float kHighest = 24;  // codes: above, dark pixels are a bright scene
   constexpr double kPenalty = 10, kPriorShare = 0.5;
+  constexpr float kUnlike = 4;  // codes, standard deviation between the channels of a camera
   darkest = std::min(darkest, kHighest), most = std::min(most, kHighest);
+  const auto unlike = [&](float level) -> double {
+    if (of_others <= 0) return level > 0 ? kPenalty : 0;
+    const float off = (level - of_others) / kUnlike;
+    return (level > 0 ? 0 : kPenalty) + off * off;
+  };
   double usual = std::numeric_limits<double>::max();  // the prior's misfit at levels that are not above
   const auto misfit = [&](float level) {
     const CurveMisfit agreed = misfit_at(level);
     const bool above = level > darkest;
     if (!above) usual = std::min(usual, agreed.of_prior);
     return agreed.of_matches + kPriorShare * (above ? std::max(usual, agreed.of_prior) : agreed.of_prior) +
-           kPenalty * ((level > 0 ? 1 : 0) + (above ? 1 : 0));
+           unlike(level) + (above ? kPenalty : 0);
   };
   std::vector<float> levels{0};
   const float third = (most - darkest) / 3;

@@ -2,6 +2,7 @@
 #include "online/response/black_level_search.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 using namespace hdrcam;
 
@@ -27,4 +28,14 @@ TEST_CASE("up to the darkest pixels usual curves have a word, too") {
 TEST_CASE("no black level is claimed for less than it costs") {
   const auto hardly_better = [](float level) { return CurveMisfit{level > 0 ? 95.0 : 100.0, 0}; };
   CHECK(find_black_level(kDarkest, kMost, hardly_better) == 0);
+}
+
+TEST_CASE(
+    "beside two channels that have a black level the third has one, unless its matches tell against it") {
+  constexpr float kOfOthers = 5;
+  const auto silent = [](float) { return CurveMisfit{1, 1}; };
+  CHECK(find_black_level(kDarkest, kMost, silent) == 0);
+  CHECK(std::abs(find_black_level(kDarkest, kMost, silent, kOfOthers) - kOfOthers) < 1);
+  const auto worse = [](float level) { return CurveMisfit{level > 0 ? 100.0 : 1.0, 1}; };
+  CHECK(find_black_level(kDarkest, kMost, worse, kOfOthers) == 0);
 }
