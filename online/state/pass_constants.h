@@ -36,7 +36,7 @@ constexpr float kByMotion = 0.3f, kByInterpolation = 0.7f;
 constexpr float kLeastBlur = 0.6f;            // pixels: a shorter one changes nothing visible
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
 constexpr float kTapsPerPixel = 0.7f;
-constexpr float kLongest = 64;  // pixels that the taps still resolve
+constexpr float kLongest = 64;  // pixels: keeps the product finite; there are kMostTaps long before
 
 // Residuals of samples.
 constexpr float kUnclipped = 0.5f;       // least weight of a sample that is looked at

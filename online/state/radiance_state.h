@@ -11,7 +11,7 @@ namespace hdrcam {
 constexpr float kUnseenVariance = 1e30f;
 // The variance from which on a pixel counts as unseen (`unseen_variance` elsewhere, in kernels
 // `unseen_from`): nothing is known except that it is not black. white: the radiance that saturates the
-// shortest exposure so far.
+// shortest of the newest exposures.
 inline float unseen_variance_from(float white) { return 0.1f * white * white; }
 
 struct RadianceEstimate {

@@ -63,7 +63,8 @@ class SampleResiduals {
   // From the current frame: at most kCapacity of its pixels, picked evenly.
   struct Bin {
     static constexpr std::size_t kCapacity = 2048;
-    std::vector<float> residuals, predicted;  // relative exposure; variance of it by noise and response alone
+    std::vector<float> residuals;  // relative exposure
+    std::vector<float> predicted;  // its variance by noise, response and state, without the excess
     std::size_t seen = 0;
     void add(float residual, float variance);
   };
