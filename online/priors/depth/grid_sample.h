@@ -18,7 +18,7 @@ struct GridPlace {
   int nearest_y() const { return y0 + (fy > 0.5f); }
 };
 
-// x, y: grid points. Nothing: outside, or not finite.
+// x, y: grid points, of a grid of at least 2x2. Nothing: outside, or not a number.
 inline std::optional<GridPlace> locate(float x, float y, int rows, int cols) {
   if (!(x >= 0 && y >= 0 && x <= static_cast<float>(cols - 1) && y <= static_cast<float>(rows - 1)))
     return std::nullopt;

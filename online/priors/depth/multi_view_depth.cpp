@@ -105,7 +105,7 @@ void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_cam
 }
 
 // Carries all stored positions and depths from the previous frame's pixels to this frame's. previous:
-// T_previous_camera.
+// T_camera_previous.
 void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previous) {
   const float per_step = 1 / static_cast<float>(options_.step_px);
   const ScratchLease room(pool_.scratch(), rows_, cols_,
