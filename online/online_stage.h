@@ -37,9 +37,9 @@ class OnlineStage {
 
   // Takes the next frame, whose storage it exchanges, and emits the estimates that became ready. Where the
   // response is unknown, the frame has its black level still. budget: for all work in this call. Errors:
-  // those of emit.
+  // those of emit and of SceneField::observe.
   Result<void> ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit);
-  // Ends the stream and emits the rest.
+  // Ends the stream and emits the rest. Errors: as for ingest.
   Result<void> finish(const Emit& emit);
 
   void set_timing(const StageTiming& timing) {

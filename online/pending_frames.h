@@ -43,10 +43,11 @@ class PendingFrames {
   void retire_emitted();
   void retire_all();
 
-  // Between time stamps, which may be wrong: within 0.1..10, and 1 where an interval cannot be. The time from
-  // the frame before to this one, over that of the step before it (MotionContext::before_ratio) ..
+  // Between time stamps, which may be wrong. The time from the frame before to this one, over that of the
+  // step before it (MotionContext::before_ratio): within 0.1..10, and 1 where an interval cannot be.
   float before_ratio(std::size_t place) const;
-  // .. and over that to the frame after this one, which is there (MotionContext::after_ratio).
+  // The same time as a part of that from the frame before to the one after this one, which is there
+  // (MotionContext::after_ratio): within 0.1..0.9, and 0.5 where an interval cannot be.
   float after_ratio(std::size_t place) const;
 
   // The motion from the frame before to this one: earlier frames look along it to this one until nobody does
