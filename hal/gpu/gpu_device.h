@@ -4,7 +4,8 @@
 // A device outlives its buffers and kernels. Thread-bound, but for users that take turns (GpuTurn).
 //
 // Errors of all calls: NotFound (no driver, no such device), Unsupported (a missing feature, a build without
-// Vulkan), NoSpace (graphics memory is full), Unplugged (the device was lost), Timeout (it does not answer).
+// Vulkan), NoSpace (graphics memory is full), Unplugged (the device was lost), Timeout (it does not answer),
+// Io (any other failure of the driver).
 // After Unplugged or Timeout a device gives no more answers: who uses it goes on with the processor.
 #pragma once
 
