@@ -1,5 +1,6 @@
-// What one frame may cost: the knobs that may change from frame to frame. It enters with each call, so that a
-// governor can move along the front of quality against time without making anything anew. Plain value.
+// What one frame may cost: the knobs that may change from frame to frame, and what has no knob and is given
+// up only to hold a deadline. It enters with each call, so that a governor can move along the front of
+// quality against time without making anything anew. Plain value.
 #pragma once
 
 #include "online/priors/motion/motion_prior.h"

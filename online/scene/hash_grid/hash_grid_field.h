@@ -64,7 +64,7 @@ class HashGridField final : public SceneField {
   FieldFit fit_;
   long frames_ = 0;             // since the first one or the restart
   Image<float> inverse_depth_;  // prior of the newest frame, on the window's pixels
-  std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // one more than were ever held at once
+  std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // as many as were ever held at once
 };
 
 }  // namespace hdrcam

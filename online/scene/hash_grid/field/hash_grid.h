@@ -21,7 +21,7 @@ struct HashGridShape {
   static constexpr int kMostLevels = 16;  // as many as the shaders' uniform block has room for (corners.glsl)
   static constexpr int kFewestLog2Entries = 6, kMostLog2Entries = 20;
 
-  int levels = 8;           // 1..kMostLevels
+  int levels = 8;           // 1..kMostLevels; an even number below a network (mlp.h)
   int log2_entries = 15;    // table entries per level and slot, kFewest..kMostLog2Entries
   int slots = 1;            // tables per level
   int coarsest_cells = 16;  // along u at the first level
