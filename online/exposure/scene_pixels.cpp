@@ -69,7 +69,7 @@ float pace_of(const Image<float>& to_previous, const Image<float>& to_next) {
 float slip(const StatePixel& pixel, Offset change) {
   const auto moved = [&](float by) { return pixel.radiance_at(by * change) - pixel.radiance(); };
   const float on = moved(1), back = moved(-1);
-  const float noise = std::min(1.f, std::hypot(change.x, change.y)) * pixel.variance();
+  const float noise = std::min(1.f, length_of(change)) * pixel.variance();
   return std::max(0.f, (on * on + back * back) / 4 - noise);  // each motion has half of the change
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "hal/core/image.h"
 
@@ -15,6 +16,7 @@ struct Offset {
   float x = 0, y = 0;  // pixels
 };
 inline Offset operator*(float by, Offset offset) { return {by * offset.x, by * offset.y}; }
+inline float length_of(Offset offset) { return std::hypot(offset.x, offset.y); }
 inline Offset offset_at(const Image<float>& vectors, int x, int y) {
   return {vectors.at(0, y, x), vectors.at(1, y, x)};
 }

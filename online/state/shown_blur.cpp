@@ -82,7 +82,7 @@ ShownBlur::Evidence ShownBlur::compare_line(const Seen& seen, int y) {
   for (int x = 0; x < cols; x += kStride) {
     if (seen.to_previous.confidence.at(0, y, x) < kComparedConfidence) continue;
     const Offset motion = offset_at(seen.to_previous.vectors, x, y);
-    const float blur = std::hypot(motion.x, motion.y) * seen.stated;
+    const float blur = length_of(motion) * seen.stated;
     if (!(blur >= kLeastBlur && blur <= kMostBlur)) continue;
     const float reach = blur / 2 + 2;
     const float from_x = static_cast<float>(x) + motion.x, from_y = static_cast<float>(y) + motion.y;
@@ -109,7 +109,7 @@ void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& e
     return place.of(state.radiance, channel);
   };
   const float here = light({});
-  const int instants = std::max(3, static_cast<int>(std::hypot(motion.x, motion.y) * seen.stated) | 1);
+  const int instants = std::max(3, static_cast<int>(length_of(motion) * seen.stated) | 1);
   float along = 0, across = 0;
   for (int i = 0; i < instants && knows; ++i) {
     const float t = seen.stated * ((static_cast<float>(i) + 0.5f) / static_cast<float>(instants) - 0.5f);

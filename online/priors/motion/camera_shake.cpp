@@ -33,8 +33,6 @@ float code_at(const Image<float>& picture, float x, float y) {
   return above + fy * (below - above);
 }
 
-float length_of(Offset offset) { return std::hypot(offset.x, offset.y); }
-
 // What Gauss and Newton's step for two unknowns is made of.
 struct Normal {
   double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
