@@ -58,11 +58,12 @@ CameraShake::CameraShake(int rows, int cols) : farthest_px_(static_cast<float>(r
     for (Image<float>* picture : {&level.frame, &level.state})
       *picture = Image<float>(1, rows >> scale, cols >> scale);
   }
-  for (const Level& level : levels_)
-    if (level.is_compared())
-      for (Half& half : halves_)
-        for (std::size_t most = level.frame.plane_size(); half.edges.capacity() < most;)
-          half.edges.reserve(most), half.differences.reserve(most), half.sorted.reserve(most);
+  for (const Level& level : levels_) {
+    if (!level.is_compared()) continue;
+    const std::size_t most = level.frame.plane_size();
+    for (Half& half : halves_)
+      half.edges.reserve(most), half.differences.reserve(most), half.sorted.reserve(most);
+  }
 }
 
 bool CameraShake::Level::is_compared() const { return std::min(frame.rows(), frame.cols()) <= kMostSide; }
