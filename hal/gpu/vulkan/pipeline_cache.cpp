@@ -1,5 +1,6 @@
 #include "hal/gpu/vulkan/pipeline_cache.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "hal/core/geometry.h"
 #include "hal/core/worker_pool.h"

@@ -1,5 +1,6 @@
 // A snapshot of a hash grid field as sections of a file (docs/snapshot.md): what look() reads, and nothing
 // that only a fit needs.
+#include <algorithm>
 #include <cmath>
 
 #include "hal/core/possible_pose.h"

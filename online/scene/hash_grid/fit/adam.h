@@ -3,6 +3,7 @@
 // distinct threads.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
