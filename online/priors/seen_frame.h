@@ -1,5 +1,5 @@
-// The input of every prior: a frame, the state including it, and the motion from the previous frame. Borrowed
-// for the call. Plain value.
+// The input of the priors of pose and depth: a frame, the state including it, and the motion from the
+// previous frame. Borrowed for the call. Plain value.
 #pragma once
 
 #include "capture/exposed_frame.h"

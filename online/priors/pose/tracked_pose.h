@@ -19,9 +19,9 @@ struct TrackerOptions {
   double static_drift_px = 0.3;     // accumulated small motion that counts as real motion
   double translation_gain = 60;     // squared sigmas that a translation must explain to be accepted..
   double translation_gain_on = 15;  // ..and while the camera is moving already
-  double parallax_share =
-      0.3;  // of the points must show clear parallax before the first translation is accepted..
-  double heading_noise_ratio = 0.8;  // ..and the best heading's noise, as a share of any other's
+  // The first translation is accepted where this share of the points shows clear parallax..
+  double parallax_share = 0.3;
+  double heading_noise_ratio = 0.8;  // ..and the best heading's noise is below this share of any other's
   int fewest_points = 30;            // below this the pose is lost
   double fewest_inliers = 0.3;       // share
   double velocity_decay = 0.9;       // per frame, while lost
