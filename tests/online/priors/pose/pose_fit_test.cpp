@@ -125,6 +125,7 @@ TEST_CASE("nothing seen leaves the pose as it was", "[pose]") {
   const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
   const PoseFit fit = fit_pose(points, start, {}, depths);
   CHECK(fit.seen == 0);
+  CHECK((fit.T_camera_world.R - start.R).norm() < 1e-9);
   CHECK((fit.T_camera_world.t - start.t).norm() < 1e-9);
 }
 
