@@ -274,12 +274,13 @@ void tell_order(const FootagePlan& plan) {
         *turn, *std::next(turn));
 }
 
-// What the files state for display and nothing applies.
-void tell_unapplied(const FootagePlan& plan) {
-  if (plan.turned)
+// What the files state for display: the turns that are applied, and what is not.
+void tell_display(const FootagePlan& plan) {
+  if (const std::string turns = describe_turns(plan); !turns.empty()) remark("note: {}\n", turns);
+  if (plan.oblique)
     remark(
-        "note: the files state that their pictures are turned for display, which is not applied; outputs "
-        "show them as the sensor saw them\n");
+        "note: the files state that their pictures are turned for display by an angle that is no multiple of "
+        "90 degrees, which is not applied; outputs show them as they are stored\n");
   if (!plan.primaries.empty())
     remark(
         "note: the primaries of the pictures are not those of BT.709 ({}), and colours are not converted; "
@@ -318,7 +319,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
   }
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
   tell_order(plan);
-  tell_unapplied(plan);
+  tell_display(plan);
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));

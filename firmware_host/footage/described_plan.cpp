@@ -91,6 +91,17 @@ std::string describe_missing(const FootagePlan& plan) {
                      places, losses > kShown ? ".." : "", doubt);
 }
 
+std::string describe_turns(const FootagePlan& plan) {
+  const std::vector<OrientedFile>& first = plan.orientations;
+  if (first.size() == 1 && first.front().orientation != Orientation::Upright)
+    return fmt::format("the pictures are {}, as the files state", describe(first.front().orientation));
+  if (first.size() < 2) return "";
+  std::string each;
+  for (const OrientedFile& file : first)
+    each += fmt::format("{}'{}' {}", each.empty() ? "" : ", ", file.path, describe(file.orientation));
+  return fmt::format("the pictures are turned as each file states; the first of each kind: {}", each);
+}
+
 std::string describe_pause(const FootagePlan& plan) {
   const auto& pause = plan.times.pause;
   if (!pause || pause->before >= plan.files.size()) return "";

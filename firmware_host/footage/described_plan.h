@@ -14,6 +14,9 @@ std::string describe(const FootageLosses& losses);
 // may be wrong; "" where none is.
 std::string describe_missing(const FootagePlan& plan);
 
+// "the pictures are turned by 90 degrees, as the files state"; "" where all stay as they are stored.
+std::string describe_turns(const FootagePlan& plan);
+
 // Where EXIF shows a pause between stills: that they may be of several scenes, or in other light, which would
 // explain exposures that pictures contradict; else "".
 std::string describe_pause(const FootagePlan& plan);

@@ -174,7 +174,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   plan.times = TRY(take_times(seen, request.framerate_hz));
   plan.camera = seen.camera, plan.about = seen.about, plan.primaries = seen.primaries;
-  plan.turned = seen.turned;
+  plan.orientations = seen.orientations, plan.oblique = seen.oblique;
   plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))
     return Error{ErrorCode::Invalid,

@@ -44,9 +44,10 @@ struct FootagePlan {
   std::vector<std::string> files;  // in the order in which they are read
   bool goes_round = false;         // their numbers begin anew on the way
   CameraFacts camera;
-  std::string about;      // "h264, yuv420p"
-  bool turned = false;    // for display, as a file states; not applied
-  std::string primaries;  // other than BT.709's, "bt2020"; "": none are stated
+  std::string about;                       // "h264, yuv420p"
+  std::string primaries;                   // other than BT.709's, "bt2020"; "": none are stated
+  std::vector<OrientedFile> orientations;  // the first file of each; applied
+  bool oblique = false;  // a file states a turn that is no multiple of 90 degrees, which is not applied
   FootageTimes times;
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat

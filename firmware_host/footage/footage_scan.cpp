@@ -46,7 +46,8 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
       seen.silent = footage.path();
   }
   seen.losses = footage.losses(), seen.low_codes = low.warning();
-  seen.turned = footage.turned(), seen.primaries = footage.primaries();
+  seen.primaries = footage.primaries();
+  seen.orientations = footage.orientations(), seen.oblique = footage.oblique();
   if (seen.facts.size() < 2)
     return Error{ErrorCode::TooShort,
                  fmt::format("'{}' holds {}; a clip has at least two: name more files, or their folder",

@@ -23,8 +23,9 @@ struct StatedFactor {
 
 struct FootageScan {
   CameraFacts camera;
-  bool turned = false;
-  std::string about, primaries;  // as the reader has them
+  std::string about, primaries;  // as the reader has them, with what follows
+  std::vector<OrientedFile> orientations;
+  bool oblique = false;
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;
   bool stills = false;              // at least one

@@ -138,13 +138,16 @@ Result<void> DecodedCodes::convert() {
   return converter_->convert(source, target);
 }
 
-Result<void> DecodedCodes::take(const AVFrame& frame, Image<std::uint16_t>& codes) {
+Result<void> DecodedCodes::take(const AVFrame& frame, Orientation orientation, Image<std::uint16_t>& codes) {
   unpack(frame);
   if (converter_) TRY(convert());
   const Image<std::uint16_t>& result = converter_ ? converted_ : unpacked_;
-  codes.reshape(from_.planes(), frame.height, frame.width);
+  if (swaps_sides(orientation))
+    codes.reshape(from_.planes(), frame.width, frame.height);
+  else
+    codes.reshape(from_.planes(), frame.height, frame.width);
   for (int c = 0; c < codes.channels(); ++c)
-    for (int y = 0; y < codes.rows(); ++y) std::copy_n(result.row(c, y), codes.cols(), codes.row(c, y));
+    place_upright({result.plane(c), result.cols(), frame.height, frame.width}, orientation, codes.plane(c));
   return {};
 }
 

@@ -1,12 +1,13 @@
-// The frames that FFmpeg decoded from one file -> their codes as RGB or mono. The depth of what was RGB or
-// mono stays; Y'CbCr of 8 bits becomes RGB of 10, so that rounding adds nothing, deeper ones keep their
-// depth. Thread-bound; no allocation after the first frame.
+// The frames that FFmpeg decoded from one file -> their codes as RGB or mono, turned upright. The depth of
+// what was RGB or mono stays; Y'CbCr of 8 bits becomes RGB of 10, so that rounding adds nothing, deeper ones
+// keep their depth. Thread-bound; no allocation after the first frame.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
 #include "hal/core/frame.h"
+#include "hal/footage/orientation.h"
 #include "hal/recording/libav.h"
 #include "hal/video/picture_converter.h"
 
@@ -20,8 +21,8 @@ class DecodedCodes {
   bool begun() const { return pixel_format_ != AV_PIX_FMT_NONE; }
   // Whether a later frame has the first one's size and format.
   bool is_like_first(const AVFrame& frame) const;
-  // codes: [channels, rows, cols], reused. Errors: those of PictureConverter::convert.
-  Result<void> take(const AVFrame& frame, Image<std::uint16_t>& codes);
+  // codes: [channels, rows, cols], upright, reused. Errors: those of PictureConverter::convert.
+  Result<void> take(const AVFrame& frame, Orientation orientation, Image<std::uint16_t>& codes);
 
   PixelLayout layout() const {
     return from_.colors == PictureColors::Grey ? PixelLayout::Mono : PixelLayout::Rgb;

@@ -162,6 +162,11 @@ std::optional<Intrinsics> lens_of(double focal_35mm_mm, int width_px, int height
   return objection_to(lens, width_px, height_px) ? std::nullopt : std::optional(lens);
 }
 
+// ", turned by 90 degrees as it states"; "" where nothing is.
+std::string once_turned(Orientation orientation) {
+  return orientation == Orientation::Upright ? "" : fmt::format(", {} as it states", describe(orientation));
+}
+
 // The files of a clip one after the other. A file that does not say when its frames are, as a still does not,
 // goes on at the frame rate.
 class FootageFiles : public FootageReader {
@@ -191,7 +196,8 @@ class FootageFiles : public FootageReader {
   const CameraFacts& camera() const override { return camera_; }
   std::string about() const override { return about_; }
   const std::string& primaries() const override { return primaries_; }
-  bool turned() const override { return turned_; }
+  const std::vector<OrientedFile>& orientations() const override { return orientations_; }
+  bool oblique() const override { return oblique_; }
 
   std::optional<ExifTime> taken() const override { return taken_; }
   ExifFactors factors() const override { return factors_; }
@@ -207,16 +213,7 @@ class FootageFiles : public FootageReader {
       return true;
     }
     if (!TRY(read(frame))) return false;
-    if (frame.codes.cols() != camera_.width || frame.codes.rows() != camera_.height ||
-        file_->facts().bits != camera_.bits || file_->facts().layout != camera_.layout)
-      return Error{
-          ErrorCode::SizeChanged,
-          fmt::format(
-              "'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}; name the "
-              "files of one kind and size",
-              path(), frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
-              name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
-              name(camera_.layout))};
+    TRY(check_form(frame));
     return check_model();
   }
 
@@ -228,6 +225,26 @@ class FootageFiles : public FootageReader {
                  fmt::format("'{}' has {}x{} pixels, and a recording holds sides of {} to {}; crop or scale "
                              "the pictures first",
                              path(), camera_.width, camera_.height, kMinSidePx, kMaxSidePx)};
+  }
+
+  // Whether a later frame is like the first; both are upright.
+  Result<void> check_form(const RawFrame& frame) const {
+    const PictureFileFacts& facts = file_->facts();
+    if (frame.codes.cols() == camera_.width && frame.codes.rows() == camera_.height &&
+        facts.bits == camera_.bits && facts.layout == camera_.layout)
+      return {};
+    const Orientation first = orientations_.front().orientation;
+    const char* const remedy =
+        facts.still ? ", or have all state the same: exiftool -n -Orientation=1 FILES" : "";
+    return Error{
+        ErrorCode::SizeChanged,
+        fmt::format(
+            "'{}' has {}x{} pixels of {} bits, {}{}; the clip began with {}x{} of {} bits, {}{}; name "
+            "the files of one {}{}",
+            path(), frame.codes.cols(), frame.codes.rows(), facts.bits, name(facts.layout),
+            once_turned(facts.orientation), camera_.width, camera_.height, camera_.bits, name(camera_.layout),
+            once_turned(first), facts.orientation == first ? "kind and size" : "orientation",
+            facts.orientation == first ? "" : remedy)};
   }
 
   // One clip has one response. Always true where it is no error.
@@ -267,10 +284,17 @@ class FootageFiles : public FootageReader {
     factors_ = file_->factors();
     still_ = file_->facts().still;
     timed_ = file_->facts().timed;
-    turned_ |= file_->facts().turned;
+    oblique_ |= file_->facts().oblique;
+    note_orientation();
     if (primaries_.empty()) primaries_ = file_->facts().primaries;
     last_ = frame.facts.timestamp;
     return true;
+  }
+
+  void note_orientation() {
+    const Orientation here = file_->facts().orientation;
+    if (std::ranges::find(orientations_, here, &OrientedFile::orientation) == orientations_.end())
+      orientations_.push_back({path(), here});
   }
 
   Result<Instant> time_of(Duration in_file) const {
@@ -312,7 +336,8 @@ class FootageFiles : public FootageReader {
   std::optional<Instant> last_;
   std::optional<ExifTime> taken_;
   ExifFactors factors_;
-  bool still_ = false, timed_ = false, turned_ = false;
+  bool still_ = false, timed_ = false, oblique_ = false;
+  std::vector<OrientedFile> orientations_;
   std::vector<FootageLosses> losses_;
   RawFrame ahead_;  // the first frame, which says what the clip is
   bool has_ahead_ = false;

@@ -1,7 +1,8 @@
 // Pictures that another camera left: videos of any codec that FFmpeg decodes, stills, and raw stills. Each
 // frame leaves as the codes of its file, RGB or mono, with its time and, where the file says one, its
-// exposure. Y'CbCr becomes R'G'B' with the matrix and range that the file states; the transfer curve stays,
-// for the response is learned anyway. Readers are thread-bound; the storage outlives them.
+// exposure, and upright where the file states how it is turned. Y'CbCr becomes R'G'B' with the matrix and
+// range that the file states; the transfer curve stays, for the response is learned anyway. Readers are
+// thread-bound; the storage outlives them.
 #pragma once
 
 #include <memory>
@@ -24,19 +25,28 @@ struct FootageLosses {
   PictureLosses lost;
 };
 
+// How the pictures of a file were stored; applied to them.
+struct OrientedFile {
+  std::string path;
+  Orientation orientation = Orientation::Upright;
+};
+
 class FootageReader {
  public:
   virtual ~FootageReader() = default;
 
-  // Size, depth and layout of all frames; linear where the codes are those of the sensor. The lens is that of
-  // the first still, by its focal length for 35 mm film.
+  // Size, depth and layout of all frames, upright; linear where the codes are those of the sensor. The lens
+  // is that of the first still, by its focal length for 35 mm film.
   virtual const CameraFacts& camera() const = 0;
   // In one clause for people: "h264, yuv420p".
   virtual std::string about() const = 0;
   // The first that a file states, so far, other than BT.709's: "bt2020"; "": none. They are not converted.
   virtual const std::string& primaries() const = 0;
-  // Whether a file states, so far, a rotation or mirroring for display, which is not applied.
-  virtual bool turned() const = 0;
+  // The first file of each orientation so far.
+  virtual const std::vector<OrientedFile>& orientations() const = 0;
+  // Whether a file states, so far, a turn for display that is no multiple of 90 degrees, which is not
+  // applied.
+  virtual bool oblique() const = 0;
   // The next frame; false at the end. Its facts: the number within the footage, the time since its beginning,
   // and the exposure with its source, Unknown where the file says none. Frames of a video that are not whole
   // are left out (losses). Errors: Corrupt for a damaged still; Truncated for a video that ends before its

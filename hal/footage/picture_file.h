@@ -9,10 +9,11 @@
 #include "hal/core/result.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/exif_time.h"
+#include "hal/footage/orientation.h"
 
 namespace hdrcam {
 
-// The form of all frames of a file; known once the first has been read.
+// The form of all frames of a file, which are upright; known once the first has been read.
 struct PictureFileFacts {
   int bits = 8;
   PixelLayout layout = PixelLayout::Rgb;
@@ -25,7 +26,8 @@ struct PictureFileFacts {
   double focal_35mm_mm = 0;    // focal length that is equivalent for 35 mm film, of stills; 0: none is stated
   std::string model = {};      // "Canon EOS R5", as EXIF states it; "": it does not
   std::string primaries = {};  // other than BT.709's, "bt2020"; "": none are stated
-  bool turned = false;         // for display, as it states; not applied
+  Orientation orientation = Orientation::Upright;  // as stated for the frame last read, and applied to it
+  bool oblique = false;  // states a turn for display that is no multiple of 90 degrees, which is not applied
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

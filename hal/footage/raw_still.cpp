@@ -104,6 +104,19 @@ double mean_black(Level common, const Level (&levels)[LIBRAW_CBLACK_SIZE]) {
   return black;
 }
 
+// LibRaw counts columns from the end by its first bit, rows by its second; by its third they change places.
+Orientation orientation_of_flip(int flip) {
+  constexpr Orientation kByFlip[] = {Orientation::Upright,
+                                     Orientation::Mirrored,
+                                     Orientation::MirroredHalfTurn,
+                                     Orientation::HalfTurn,
+                                     Orientation::MirroredThreeQuarterTurn,
+                                     Orientation::ThreeQuarterTurn,
+                                     Orientation::QuarterTurn,
+                                     Orientation::MirroredQuarterTurn};
+  return kByFlip[flip & 7];
+}
+
 // In codes. LibRaw makes whole codes of the levels of a DNG, which may be fractions.
 double black_of(const libraw_data_t& raw) {
   const libraw_colordata_t& color = raw.color;
@@ -217,21 +230,16 @@ class RawStill : public PictureFile {
                       sizes.raw_height)};
     const unsigned white = white_of(raw.imgdata.color);
     facts_.bits = std::clamp(static_cast<int>(std::bit_width(white)), 8, 16);
-    facts_.layout = *layout, facts_.linear = true, facts_.still = true;
-    facts_.turned = sizes.flip != 0;
+    facts_.orientation = orientation_of_flip(sizes.flip);
+    facts_.layout = upright_layout(*layout, facts_.orientation, sizes.height, sizes.width);
+    facts_.linear = true, facts_.still = true;
     facts_.model = fmt::format("{} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
     facts_.format = "raw of " + facts_.model;
     facts_.focal_35mm_mm = raw.imgdata.lens.FocalLengthIn35mmFormat;
     facts_.white = static_cast<int>(white);
     const CodeStretch stretch(clip_white > 0 ? static_cast<unsigned>(clip_white) : white, white, facts_.bits);
-    frame_.codes = Image<std::uint16_t>(1, sizes.height, sizes.width);
-    const std::size_t pitch = sizes.raw_pitch / sizeof(ushort);
-    for (int y = 0; y < sizes.height; ++y) {
-      const ushort* const row =
-          codes + static_cast<std::size_t>(y + sizes.top_margin) * pitch + sizes.left_margin;
-      std::transform(row, row + sizes.width, frame_.codes.row(0, y),
-                     [&stretch](ushort code) { return stretch.code(code); });
-    }
+    take_codes(codes, sizes);
+    for (std::uint16_t& code : frame_.codes.samples()) code = stretch.code(code);
     facts_.white_balance = white_balance_of(raw.imgdata.color);
     taken_ = exif_time(extras.date_time, extras.sub_second, extras.offset);
     frame_.facts.black_level = BlackLevel::of_code(stretch.level(black_of(raw.imgdata)), facts_.bits);
@@ -240,6 +248,17 @@ class RawStill : public PictureFile {
   }
 
  private:
+  // The visible part of the sensor's, upright.
+  void take_codes(const ushort* codes, const libraw_image_sizes_t& sizes) {
+    const auto stride = static_cast<std::ptrdiff_t>(sizes.raw_pitch / sizeof(ushort));
+    const StoredPlane stored{codes + sizes.top_margin * stride + sizes.left_margin, stride, sizes.height,
+                             sizes.width};
+    const bool swapped = swaps_sides(facts_.orientation);
+    frame_.codes =
+        Image<std::uint16_t>(1, swapped ? stored.cols : stored.rows, swapped ? stored.rows : stored.cols);
+    place_upright(stored, facts_.orientation, frame_.codes.plane(0));
+  }
+
   void add_exposure(const LibRaw& raw, const ExifExtras& extras) {
     FrameFacts& facts = frame_.facts;
     facts.exposure_source = ExposureSource::Unknown;

@@ -17,6 +17,7 @@ enum class TiffTag : std::uint32_t {
   Compression = 259,
   PhotometricInterpretation = 262,
   StripOffsets = 273,
+  Orientation = 274,
   StripByteCounts = 279,
   TileWidth = 322,
   TileOffsets = 324,

@@ -172,16 +172,30 @@ std::string primaries_of(const AVFrame& frame) {
   }
 }
 
-// By EXIF, or by the matrix of a video (ISO/IEC 14496-12, 6.2.2): more than a scale along its axes.
-bool is_turned(const AVFrame& frame, const AVStream& stream) {
-  if (exif_number(frame, "Orientation").value_or(1) > 1) return true;
-  const AVFrameSideData* const of_frame = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX);
-  const std::uint8_t* const data =
-      of_frame != nullptr ? of_frame->data : libav::side_data(stream, AV_PKT_DATA_DISPLAYMATRIX);
-  if (data == nullptr) return false;
+// Of PNG and TIFF, whose EXIF FFmpeg before 8 does not read.
+Orientation orientation_in(const AVPacket& packet, AVCodecID codec) {
+  const std::span file(packet.data, static_cast<std::size_t>(packet.size));
+  if (codec == AV_CODEC_ID_PNG) return orientation_in_png(file);
+  return codec == AV_CODEC_ID_TIFF ? orientation_in_tiff(file) : Orientation::Upright;
+}
+
+std::optional<Orientation> orientation_of(const std::uint8_t* display_matrix) {
   std::array<std::int32_t, 9> matrix{};
-  std::memcpy(matrix.data(), data, sizeof matrix);
-  return matrix[1] != 0 || matrix[3] != 0 || matrix[0] < 0 || matrix[4] < 0;
+  std::memcpy(matrix.data(), display_matrix, sizeof matrix);
+  return orientation_of_matrix(matrix);
+}
+
+// As the frame states it, else the packet it comes from, else the file. FFmpeg makes a matrix of a JPEG's
+// EXIF. None: by another angle.
+std::optional<Orientation> stated_orientation(const AVFrame& frame, Orientation in_packet,
+                                              const AVStream& stream) {
+  if (const auto* const of_frame = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX))
+    return orientation_of(of_frame->data);
+  for (const Orientation stated :
+       {orientation_of_exif(exif_number(frame, "Orientation").value_or(1)), in_packet})
+    if (stated != Orientation::Upright) return stated;
+  const std::uint8_t* const of_stream = libav::side_data(stream, AV_PKT_DATA_DISPLAYMATRIX);
+  return of_stream != nullptr ? orientation_of(of_stream) : Orientation::Upright;
 }
 
 // ISO/IEC 14496-12: the first box is the file's type, "ftyp", with its brand: "isom". "": no such file.
@@ -295,6 +309,7 @@ Result<void> VideoFile::feed() {
   if (stream_.failure()) return *stream_.failure();
   if (read >= 0 && packet_->stream_index == track_) {
     TRY(check_codes(*packet_));
+    in_packet_ = orientation_in(*packet_, decoder_->codec_id);
     if (decoder_->codec_id == AV_CODEC_ID_MJPEG && av_packet_make_writable(packet_.get()) >= 0)
       hide_later_exif(std::span(packet_->data, static_cast<std::size_t>(packet_->size)));
     send(*packet_);
@@ -382,12 +397,17 @@ Result<void> VideoFile::begin_codes() {
   facts_.format += fmt::format(", {}", codes_.format_name());
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
   facts_.primaries = primaries_of(*frame_);
-  facts_.turned = is_turned(*frame_, *demuxer_->streams[track_]);
   if (still_) {
     facts_.model = exif_model(*frame_);
     facts_.focal_35mm_mm = exif_number(*frame_, "FocalLengthIn35mmFilm").value_or(0);
   }
   return {};
+}
+
+void VideoFile::take_orientation() {
+  const auto stated = stated_orientation(*frame_, in_packet_, *demuxer_->streams[track_]);
+  facts_.orientation = stated.value_or(Orientation::Upright);
+  facts_.oblique |= !stated;
 }
 
 Result<bool> VideoFile::next(RawFrame& frame) {
@@ -408,7 +428,8 @@ Result<bool> VideoFile::next(RawFrame& frame) {
     TRY(begin_codes());
   else if (!codes_.is_like_first(*frame_))
     return refused(ErrorCode::SizeChanged, "changes its size or format on the way");
-  TRY(codes_.take(*frame_, frame.codes));
+  take_orientation();
+  TRY(codes_.take(*frame_, facts_.orientation, frame.codes));
   frame.facts = {};
   frame.facts.exposure_source = ExposureSource::Unknown;
   const AVRational tick = demuxer_->streams[track_]->time_base;

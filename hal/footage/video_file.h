@@ -1,5 +1,5 @@
 // One video or picture file, decoded by the FFmpeg libraries: frame after frame, its codes as RGB or mono
-// (decoded_codes.h). What is damaged is left out and counted. Thread-bound.
+// (decoded_codes.h), upright. What is damaged is left out and counted. Thread-bound.
 #pragma once
 
 #include <memory>
@@ -43,6 +43,7 @@ class VideoFile : public PictureFile {
   bool ends_inside_frame();
   int missing_at_end();
   Result<void> begin_codes();
+  void take_orientation();
   Error refused(ErrorCode code, const std::string& why) const;
 
   StorageStream stream_;  // outlives the demuxer
@@ -53,6 +54,7 @@ class VideoFile : public PictureFile {
   libav::Packet packet_;
   int track_ = 0;
   bool still_ = false;
+  Orientation in_packet_ = Orientation::Upright;  // the latest
 
   PictureLosses losses_;
   bool awaits_key_frame_ = false, awaits_key_packet_ = false;  // what comes before it lacks what it refers to

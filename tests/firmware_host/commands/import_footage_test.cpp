@@ -9,6 +9,7 @@
 #include "hal/recording/png_image.h"
 #include "tests/support/dng_file.h"
 #include "tests/support/ran.h"
+#include "tests/support/stored_as.h"
 
 #include "tests/firmware_host/commands/footage_imports.h"
 
@@ -36,6 +37,18 @@ std::vector<std::string> outputs_of_import(const std::string& folder) {
     outputs.push_back(imported.output);
   }
   return outputs;
+}
+
+// A bracket whose pictures are stored as EXIF's orientation of each says.
+std::string write_oriented_bracket(const std::string& name, const std::vector<std::uint16_t>& orientations) {
+  const std::string folder = sample::scratch_folder(name);
+  for (int i = 0; i < static_cast<int>(orientations.size()); ++i) {
+    test::Exif exif{1u << 2 * (i % 3), 1000, 100, 80};
+    exif.orientation = orientations[static_cast<std::size_t>(i)];
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i),
+                     test::stored_as(exif.orientation, scene().frame(i).codes), exif);
+  }
+  return folder;
 }
 
 }  // namespace
@@ -289,16 +302,32 @@ TEST_CASE("a recording that is cut or damaged before its first frame is called s
   }
 }
 
-TEST_CASE("a picture that is to be turned for display is told wherever in the clip it comes") {
-  const std::string folder = sample::scratch_folder("import_turned");
-  for (int i = 0; i < 6; ++i) {
-    test::Exif exif{1u << 2 * (i % 3), 1000, 100, 80};
-    if (i == 4) exif.orientation = 6;
-    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
+TEST_CASE("pictures of a camera that was held otherwise are recorded upright, and import says how") {
+  const std::string folder = write_oriented_bracket("import_upright", {6, 6, 6, 6, 6, 6});
+  for (const std::string& output : outputs_of_import(folder)) {
+    CHECK_THAT(output, Contains("note: the pictures are turned by 90 degrees, as the files state\n"));
+    CHECK_THAT(output, Contains("128x96") && !Contains("contradict"));
   }
-  const test::Ran listed = test::ran({"import", folder, "--list"});
-  CHECK(listed.exit_code == 0);
-  CHECK_THAT(listed.output, Contains("note: the files state that their pictures are turned for display"));
+  const auto recorded = sample::replay(posix_storage(), folder + "/x.mkv");
+  REQUIRE(recorded.frames.size() == 6);
+  CHECK(recorded.frames[0].codes.cols() == 128);
+}
+
+TEST_CASE("an orientation that only some pictures state is told wherever in the clip it comes") {
+  const std::string folder = write_oriented_bracket("import_turned", {1, 1, 1, 1, 3, 1});
+  for (const std::string& output : outputs_of_import(folder)) {
+    CHECK_THAT(output, Contains(fmt::format(
+                           "note: the pictures are turned as each file states; the first of each "
+                           "kind: '{0}/IMG_0.JPG' not turned, '{0}/IMG_4.JPG' turned by 180 degrees\n",
+                           folder)));
+    CHECK_THAT(output, !Contains("contradict"));
+  }
+  const std::string mixed = write_oriented_bracket("import_turned_mixed", {6, 6, 6, 6, 6, 6});
+  test::write_jpeg(mixed + "/IMG_4.JPG", test::stored_as(6, scene().frame(4).codes),
+                   test::Exif{4, 1000, 100, 80});  // all have one size as they are stored
+  const auto refused = import_verb(mixed + " --list");
+  CHECK(sample::error_of(refused).code == ErrorCode::SizeChanged);
+  CHECK_THAT(sample::error_of(refused).message, Contains("IMG_4.JPG"));
 }
 
 TEST_CASE("where pictures contradict exposures after a pause, another scene may begin, and import says so") {

@@ -2,15 +2,20 @@
 #include "hal/footage/footage.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "tests/hal/footage/read_footage.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/footage_files.h"
+#include "tests/support/stored_as.h"
+#include "tests/support/tiff_directory.h"
 
 #include "tests/support/files.h"
 
@@ -24,6 +29,8 @@ using test::pictures;
 using test::png_file;
 using test::read_footage;
 using test::ReadFootage;
+using test::refusal;
+using test::stored_as;
 using test::tiff_file;
 
 namespace {
@@ -51,6 +58,60 @@ void write_interlaced_png(const std::string& path, const Image<std::uint16_t>& r
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
   std::fclose(file);
+}
+
+// Upright, patches(0) and the following ones have this size.
+void check_sides(const ReadFootage& read) {
+  REQUIRE_FALSE(read.frames.empty());
+  CHECK(read.camera.width == 96);
+  CHECK(read.camera.height == 64);
+  for (const RawFrame& frame : read.frames) {
+    REQUIRE(frame.codes.cols() == 96);
+    REQUIRE(frame.codes.rows() == 64);
+  }
+}
+
+void check_upright(const ReadFootage& read, double most) {
+  check_sides(read);
+  for (std::size_t i = 0; i < read.frames.size(); ++i)
+    CHECK(difference(read.frames[i], read.camera.bits, patches(static_cast<int>(i))) < most);
+}
+
+// In 65536ths, as MP4 has it: x' = a x + c y, y' = b x + d y.
+struct DisplayMatrix {
+  std::int32_t a, b, c, d;
+};
+
+// Of the track of an MP4 (ISO/IEC 14496-12, 8.3.2, version 0).
+void set_display_matrix(const std::string& path, const DisplayMatrix& matrix) {
+  std::string bytes = test::text_of(path);
+  const std::size_t header = bytes.find("tkhd");
+  REQUIRE(header != std::string::npos);
+  REQUIRE(bytes[header + 4] == 0);
+  std::size_t at = header + 44;
+  for (const std::int32_t number : {matrix.a, matrix.b, 0, matrix.c, matrix.d})
+    for (const int shift : {24, 16, 8, 0})
+      bytes[at++] = static_cast<char>(static_cast<std::uint32_t>(number) >> shift & 0xff);
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// PNG, third edition, 11.3.4.5: behind the head, a TIFF with one field.
+void add_exif_to_png(const std::string& path, std::uint16_t orientation) {
+  constexpr std::size_t kHeadEnd = 8 + 25;
+  test::TiffDirectory fields;
+  fields.shorts(test::tiff_tag::kOrientation, {orientation});
+  std::string exif("eXIfII\x2a\0\x08\0\0\0", 12);
+  for (const auto byte : fields.at(8)) exif += static_cast<char>(byte);
+  const auto checksum = static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(exif.data()), static_cast<uInt>(exif.size())));
+  const auto in_bytes = [](std::uint32_t value) {
+    std::string text;
+    for (const int shift : {24, 16, 8, 0}) text += static_cast<char>(value >> shift & 0xff);
+    return text;
+  };
+  std::string bytes = test::text_of(path);
+  bytes.insert(kHeadEnd, in_bytes(static_cast<std::uint32_t>(exif.size() - 4)) + exif + in_bytes(checksum));
+  std::ofstream(path, std::ios::binary) << bytes;
 }
 
 }  // namespace
@@ -162,29 +223,80 @@ TEST_CASE("a TIFF of floating point is refused for its kind, not only called dam
                                            Contains("has pixels of the format rgbf32"));
 }
 
-TEST_CASE("pictures that are to be turned for display stay as the sensor saw them, and are told") {
-  const std::string folder = sample::scratch_folder("footage_turned");
-  const auto turned = [](const std::string& path) {
-    const auto footage = open_footage(posix_storage(), {path}, 0);
-    REQUIRE(footage.ok());
-    CHECK(footage.value()->camera().width == 96);
-    return footage.value()->turned();
-  };
+TEST_CASE("a JPEG is turned upright by the orientation of its EXIF, with its sides and its lens") {
+  const std::string path = sample::scratch_folder("footage_oriented_jpeg") + "/a.jpg";
   test::Exif exif;
-  for (const std::uint16_t orientation : {std::uint16_t{1}, std::uint16_t{6}, std::uint16_t{8}}) {
+  exif.focal_35mm_mm = 26;
+  for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
+    CAPTURE(orientation);
     exif.orientation = orientation;
-    test::write_jpeg(folder + "/a.jpg", patches(0), exif);
-    CHECK(turned(folder + "/a.jpg") == (orientation != 1));
+    test::write_jpeg(path, stored_as(orientation, patches(0)), exif);
+    const ReadFootage still = read_footage({path});
+    REQUIRE_FALSE(still.error);
+    check_upright(still, 4);  // codes of 255, as the codec leaves them
+    REQUIRE(still.camera.intrinsics);
+    CHECK(still.camera.intrinsics->cx_px == 48);
+    CHECK(still.camera.intrinsics->cy_px == 32);
   }
-  const std::string video = folder + "/x.mp4";
-  REQUIRE(test::write_video(video, VideoCodec::H264, pictures(3)).ok());
-  CHECK_FALSE(turned(video));
-  std::string bytes = test::text_of(video);
-  const std::size_t header = bytes.find("tkhd"), matrix = header + 44;  // ISO/IEC 14496-12, 8.3.2, version 0
-  REQUIRE(header != std::string::npos);
-  REQUIRE(bytes[header + 4] == 0);
-  bytes.replace(matrix, 16, std::string("\0\0\0\0\0\1\0\0\0\0\0\0\xff\xff\0\0", 16));
-  bytes.replace(matrix + 16, 4, std::string(4, '\0'));
-  std::ofstream(video, std::ios::binary) << bytes;
-  CHECK(turned(video));
+}
+
+TEST_CASE(
+    "PNG and TIFF pictures are turned upright by the orientation that they state, and keep every code") {
+  const std::string folder = sample::scratch_folder("footage_oriented_png");
+  for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
+    CAPTURE(orientation);
+    const Image<std::uint16_t> stored = stored_as(orientation, patches(0));
+    const std::string png = png_file(folder + "/a.png", stored);
+    add_exif_to_png(png, orientation);
+    for (const ReadFootage& still :
+         {read_footage({png}), read_footage({tiff_file(folder + "/a.tif", stored, orientation)})}) {
+      REQUIRE_FALSE(still.error);
+      check_sides(still);
+      CHECK(sample::same(still.frames[0].codes, patches(0)));
+    }
+  }
+}
+
+TEST_CASE(
+    "a video is turned upright by its display matrix, and no other angle than of 90 degrees is applied") {
+  const std::string path = sample::scratch_folder("footage_oriented_video") + "/x.mp4";
+  constexpr std::int32_t kOne = 1 << 16;
+  const std::pair<std::uint16_t, DisplayMatrix> turns[] = {
+      {1, {kOne, 0, 0, kOne}}, {2, {-kOne, 0, 0, kOne}}, {3, {-kOne, 0, 0, -kOne}}, {4, {kOne, 0, 0, -kOne}},
+      {5, {0, kOne, kOne, 0}}, {6, {0, kOne, -kOne, 0}}, {7, {0, -kOne, -kOne, 0}}, {8, {0, -kOne, kOne, 0}}};
+  for (const auto& [orientation, matrix] : turns) {
+    CAPTURE(orientation);
+    std::vector<Image<std::uint16_t>> stored;
+    for (const int picture : {0, 1}) stored.push_back(stored_as(orientation, patches(picture)));
+    REQUIRE(test::write_video(path, VideoCodec::H264, stored).ok());
+    set_display_matrix(path, matrix);
+    const ReadFootage video = read_footage({path});
+    REQUIRE_FALSE(video.error);
+    check_upright(video, 5);
+    const auto footage = open_footage(posix_storage(), {path}, 0);
+    REQUIRE(footage.value()->orientations().size() == 1);
+    CHECK(footage.value()->orientations()[0].orientation == orientation_of_exif(orientation));
+    CHECK_FALSE(footage.value()->oblique());
+  }
+  set_display_matrix(path, {56756, 32768, -32768, 56756});  // by 30 degrees
+  const auto footage = open_footage(posix_storage(), {path}, 0);
+  REQUIRE(footage.ok());
+  CHECK(footage.value()->oblique());
+  CHECK(footage.value()->camera().width == 64);  // as the last one of the turns is stored
+}
+
+TEST_CASE("pictures whose sizes differ once they are upright make no clip, and the error names the file") {
+  const std::string folder = sample::scratch_folder("footage_orientations");
+  test::Exif exif;
+  test::write_jpeg(folder + "/a.jpg", patches(0), exif);
+  exif.orientation = 3;
+  test::write_jpeg(folder + "/b.jpg", patches(0), exif);
+  exif.orientation = 6;
+  test::write_jpeg(folder + "/c.jpg", patches(0), exif);
+  const ReadFootage alike = read_footage({folder + "/a.jpg", folder + "/b.jpg"});
+  CHECK_FALSE(alike.error);
+  const ReadFootage other = read_footage({folder + "/a.jpg", folder + "/b.jpg", folder + "/c.jpg"});
+  CHECK_THAT(refusal(other, ErrorCode::SizeChanged),
+             Contains("/c.jpg' has 64x96 pixels") && Contains("turned by 90 degrees as it states") &&
+                 Contains("the clip began with 96x64") && Contains("of one orientation"));
 }

@@ -10,6 +10,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/dng_file.h"
 #include "tests/support/files.h"
+#include "tests/support/stored_as.h"
 
 #include <catch2/catch.hpp>
 
@@ -206,19 +207,39 @@ TEST_CASE("a raw still whose exposure time is divided by zero does not state it"
   CHECK(frame.facts.exposure_source == ExposureSource::Unknown);
 }
 
-TEST_CASE("a raw still that states its orientation is turned, and its mosaic stays") {
-  const std::string folder = sample::scratch_folder("raw_still_turned");
-  test::DngStill still;
-  still.code_at = code_at;
-  for (const std::uint16_t orientation : {std::uint16_t{1}, std::uint16_t{6}}) {
+TEST_CASE(
+    "a raw still is turned upright by the orientation that it states, and so is the pattern of its mosaic") {
+  const std::string path = sample::scratch_folder("raw_still_turned") + "/x.dng";
+  const Image<std::uint16_t> upright = [] {
+    Image<std::uint16_t> codes(1, 48, 64);
+    for (int y = 0; y < codes.rows(); ++y)
+      for (int x = 0; x < codes.cols(); ++x) codes.at(0, y, x) = code_at(y, x);
+    return codes;
+  }();
+  // Of mosaics that are stored with red first, and have even sides.
+  const std::pair<std::uint16_t, PixelLayout> patterns[] = {
+      {1, PixelLayout::BayerRggb}, {2, PixelLayout::BayerGrbg}, {3, PixelLayout::BayerBggr},
+      {4, PixelLayout::BayerGbrg}, {5, PixelLayout::BayerRggb}, {6, PixelLayout::BayerGrbg},
+      {7, PixelLayout::BayerBggr}, {8, PixelLayout::BayerGbrg}};
+  for (const auto& [orientation, pattern] : patterns) {
+    CAPTURE(orientation);
+    const Image<std::uint16_t> stored = test::stored_as(orientation, upright);
+    test::DngStill still;
     still.orientation = orientation;
-    auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/x.dng", still)}, 0);
+    still.rows = stored.rows(), still.cols = stored.cols();
+    still.code_at = [&stored](int y, int x) { return stored.at(0, y, x); };
+    auto footage = open_footage(posix_storage(), {test::write_dng(path, still)}, 0);
     REQUIRE(footage.ok());
-    CHECK(footage.value()->turned() == (orientation == 6));
+    CHECK(footage.value()->camera().layout == pattern);
+    REQUIRE(footage.value()->camera().width == 64);
+    REQUIRE(footage.value()->camera().height == 48);
+    CHECK(footage.value()->orientations()[0].orientation == orientation_of_exif(orientation));
     RawFrame frame;
     REQUIRE(footage.value()->next(frame).value());
-    CHECK(frame.codes.cols() == still.cols);
-    CHECK(frame.codes.at(0, 3, 5) == stretched_at(3, 5));
+    int wrong = 0;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x) wrong += frame.codes.at(0, y, x) != stretched_at(y, x) ? 1 : 0;
+    CHECK(wrong == 0);
   }
 }
 

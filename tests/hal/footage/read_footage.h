@@ -81,8 +81,10 @@ inline std::string png_file(const std::string& path, const Image<std::uint16_t>&
   return path;
 }
 
-// Of 16 bits, in one strip, with a unit of resolution as most programs write it.
-inline std::string tiff_file(const std::string& path, const Image<std::uint16_t>& rgb) {
+// Of 16 bits, in one strip, with a unit of resolution as most programs write it. orientation: as EXIF numbers
+// it.
+inline std::string tiff_file(const std::string& path, const Image<std::uint16_t>& rgb,
+                             std::uint16_t orientation = 1) {
   const auto rows = static_cast<std::uint32_t>(rgb.rows()), cols = static_cast<std::uint32_t>(rgb.cols());
   const auto directory = [&](std::uint32_t strip_at) {
     namespace tag = tiff_tag;
@@ -93,6 +95,7 @@ inline std::string tiff_file(const std::string& path, const Image<std::uint16_t>
     tags.shorts(tag::kCompression, {1});
     tags.shorts(tag::kPhotometricInterpretation, {2});
     tags.longs(tag::kStripOffsets, {strip_at});
+    tags.shorts(tag::kOrientation, {orientation});
     tags.shorts(tag::kSamplesPerPixel, {3});
     tags.longs(tag::kRowsPerStrip, {rows});
     tags.longs(tag::kStripByteCounts, {rows * cols * 6});
