@@ -157,8 +157,8 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
   for (int c = 0; c < 3; ++c) {
     const auto channel = image.find(exr_channel::kRadiance[c]);
     if (!channel)
-      return Error{ErrorCode::Invalid, fmt::format("'{}' has no channel {}; HDR frames have R, G and B",
-                                                   file.path, exr_channel::kRadiance[c])};
+      return Error{ErrorCode::Unsupported, fmt::format("'{}' has no channel {}; HDR frames have R, G and B",
+                                                       file.path, exr_channel::kRadiance[c])};
     std::transform(image.samples.plane(*channel), image.samples.plane(*channel) + image.samples.plane_size(),
                    frame.radiance.plane(c), shown);
   }
