@@ -51,8 +51,9 @@ double RecordedLabels::Label::log_value() const {
   return std::log(exposure_s * analogue_gain * digital_gain);
 }
 
-RecordedLabels::RecordedLabels(const CameraFacts& camera)
+RecordedLabels::RecordedLabels(const CameraFacts& camera, FrameName name_of)
     : camera_(camera),
+      name_of_(std::move(name_of)),
       photometer_(PhotometricResponse::before_any_fit(camera.linear, std::nullopt)),
       order_(kLeastOutOfOrder) {}
 
@@ -176,9 +177,9 @@ void RecordedLabels::check_order(const FrameFacts& facts) {
   if (const PhotometricSignature* earlier = proof_.incomparable_previous(); earlier != nullptr)
     step = rough_step(*earlier, picture_);
   if (order_.add(log_product(*before), log_product(exposure), step))
-    out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
-                         facts.sequence, step.log_ratio > 0 ? "brighter" : "darker", describe(exposure),
-                         describe(*before));
+    out_of_order_.object(name_of_, facts.sequence,
+                         "it is {} than the one before, with an exposure of {} after {}",
+                         step.log_ratio > 0 ? "brighter" : "darker", describe(exposure), describe(*before));
 }
 
 // Combines the verdict in the recording with the verdict of the pictures.
@@ -197,7 +198,7 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   }
   frame.proof.limit_to(facts.exposure_source);
   if (frame.proof.verdict == Verdict::Contradicted && facts.has_exposure()) {
-    contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
+    contradicted_.object(name_of_, facts.sequence, "its pictures contradict its exposure of {}",
                          described(label_of(facts)));
   }
   facts.verdict = frame.proof.verdict;
@@ -215,7 +216,7 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   });
   if (found == cycle_.end()) return;
   if (facts.has_exposure())
-    relabelled_.object("frame {}: the pictures show an exposure of {}, not the stated {}", facts.sequence,
+    relabelled_.object(name_of_, facts.sequence, "the pictures show an exposure of {}, not the stated {}",
                        described(*found), described(label_of(facts)));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
@@ -234,8 +235,9 @@ void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration
   const double frame_s = std::max(to_seconds(*interval), 1 / camera_.framerate_hz);
   if (!outlasts_frame(facts.exposure_s, frame_s)) return;
   if (frame.proof.verdict == Verdict::Proved) facts.verdict = frame.proof.verdict = Verdict::Plausible;
-  overlong_.object("frame {}: an exposure of {:.6g} s does not fit the frame interval of {:.6g} s",
-                   facts.sequence, facts.exposure_s, frame_s);
+  overlong_.object(name_of_, facts.sequence,
+                   "an exposure of {:.6g} s does not fit the frame interval of {:.6g} s", facts.exposure_s,
+                   frame_s);
 }
 
 std::optional<std::string> RecordedLabels::objection() const {

@@ -10,6 +10,8 @@
 // or the reverse. Thread-bound.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,7 +34,10 @@ class RecordedLabels {
   // First frames, judged together: those without a full window before them, and a window after them.
   static constexpr int kBeginning = ExposureProof::kWindow + 4;
 
-  explicit RecordedLabels(const CameraFacts& camera);
+  // For people, by its number: "frame 3", with its file where it has one of its own.
+  using FrameName = std::function<std::string(std::uint64_t sequence)>;
+
+  RecordedLabels(const CameraFacts& camera, FrameName name_of);
 
   // Judges the first kBeginning frames of a recording, or all if there are fewer. Called once.
   void judge_beginning(std::span<CapturedFrame> frames);
@@ -60,8 +65,10 @@ class RecordedLabels {
     std::string first;
 
     template <class... Values>
-    void object(fmt::format_string<Values...> sentence, Values&&... values) {
-      if (count++ == 0) first = fmt::format(sentence, std::forward<Values>(values)...);
+    void object(const FrameName& name_of, std::uint64_t sequence, fmt::format_string<Values...> sentence,
+                Values&&... values) {
+      if (count++ == 0)
+        first = name_of(sequence) + ": " + fmt::format(sentence, std::forward<Values>(values)...);
     }
   };
 
@@ -78,6 +85,7 @@ class RecordedLabels {
   void finish(CapturedFrame& frame, const Judgement& judgement, std::optional<Duration> interval);
 
   const CameraFacts camera_;
+  const FrameName name_of_;
   std::optional<BlackLevel> black_level_;  // of frames that state none: the first stated
   WhiteLevel white_level_;                 // as the first frames show it
   Photometer photometer_;

@@ -24,7 +24,11 @@ RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contr
     : recording_(std::move(recording)),
       contradiction_(contradiction),
       black_level_(black_level),
-      labels_(recording_->camera()) {}
+      labels_(recording_->camera(), [recording = recording_.get()](std::uint64_t sequence) {
+        const std::string file = recording->file_of(sequence);
+        return file.empty() ? fmt::format("frame {}", sequence)
+                            : fmt::format("frame {}, '{}'", sequence, file);
+      }) {}
 
 RecordingStage::Waiting::Waiting(CapturedFrame frame) : frame_(std::move(frame)) {
   constexpr std::uint16_t kMostOfAByte = 255;

@@ -119,6 +119,12 @@ class PlannedFootage : public RecordingReader {
 
   const CameraFacts& camera() const override { return plan_.camera; }
   std::optional<int> frame_count() const override { return static_cast<int>(plan_.facts.size()); }
+  std::string file_of(std::uint64_t sequence) const override {
+    if (plan_.files.size() != plan_.facts.size()) return "";  // of a video
+    const auto found = std::ranges::find(plan_.facts, sequence, &FrameFacts::sequence);
+    return found != plan_.facts.end() ? plan_.files[static_cast<std::size_t>(found - plan_.facts.begin())]
+                                      : "";
+  }
   Result<std::optional<RawFrame>> next(RawFrame room) override {
     if (next_ == plan_.facts.size()) return std::optional<RawFrame>();
     if (!TRY(footage_->next(room)))

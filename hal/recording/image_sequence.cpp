@@ -121,6 +121,11 @@ class ClipReader : public RecordingReader {
     if (at_ == clip_.frame_count()) return std::optional<RawFrame>();
     return std::optional<RawFrame>(TRY(clip_.read(at_++)));
   }
+  std::string file_of(std::uint64_t sequence) const override {
+    for (int i = 0; i < clip_.frame_count(); ++i)
+      if (clip_.facts(i).sequence == sequence) return clip_.path_of(i);
+    return "";
+  }
 
  private:
   const ImageSequence clip_;

@@ -63,6 +63,8 @@ class RecordingReader {
   Result<std::optional<RawFrame>> next() { return next({}); }
   // Like next(), but the pixels are only checked, not decoded: for listing a recording.
   virtual Result<std::optional<FrameFacts>> next_facts();
+  // The file of its own that holds the frame with this number, as the still that was imported; "": none.
+  virtual std::string file_of(std::uint64_t /*sequence*/) const { return ""; }
   // With Damage::IsSkipped, of the frames so far.
   virtual const LeftOut& left_out() const;
   // Of another recording that was put behind this one, in the same file; behind one that was cut it is only

@@ -47,6 +47,13 @@ class Reel : public RecordingReader {
   std::size_t at_ = 0;
 };
 
+// Each frame in a file of its own.
+class ReelOfStills : public Reel {
+ public:
+  using Reel::Reel;
+  std::string file_of(std::uint64_t sequence) const override { return fmt::format("IMG_{}.JPG", sequence); }
+};
+
 struct Judged {
   std::vector<FrameFacts> facts;
   CaptureCounters counters;
@@ -356,6 +363,18 @@ TEST_CASE("asked to be strict, a recording ends at the first exposure that its p
   CHECK(wrong.error->message.find("frame 13") != std::string::npos);
   CHECK(wrong.facts.size() == 13);
   CHECK_FALSE(judged(scene, filmed(scene, 24), Contradiction::Fails).error);
+}
+
+TEST_CASE("an objection names the file of its frame, where the frame has one of its own", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  auto frames = with_labels(scene, 24, [](int i, int) { return i == 13 ? 14 : i; });
+  RecordingStage stage(std::make_unique<ReelOfStills>(scene.camera(), std::move(frames)),
+                       Contradiction::Warns);
+  for (CapturedFrame frame; value_of(stage.next(frame));) {
+  }
+  const std::vector<std::string> warnings = stage.warnings();
+  REQUIRE_FALSE(warnings.empty());
+  CHECK(warnings.front().find("; frame 13, 'IMG_13.JPG': ") != std::string::npos);
 }
 
 TEST_CASE("an exposure longer than its frame lasts is said, and its frame kept", "[capture]") {

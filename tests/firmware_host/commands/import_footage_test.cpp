@@ -338,8 +338,16 @@ TEST_CASE("where pictures contradict exposures after a pause, another scene may 
     test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
   }
   const std::string hint = "note: '" + folder + "/IMG_3.JPG' was taken 600 s after the still before it";
-  for (const std::string& output : outputs_of_import(folder))
+  for (const std::string& output : outputs_of_import(folder)) {
     CHECK_THAT(output, Contains("their pictures contradict their exposures") && Contains(hint));
+    int named = 0;
+    for (int i = 0; i < 9; ++i) {
+      const std::string first =
+          fmt::format("frame {}, '{}/IMG_{}.JPG': its pictures contradict", i, folder, i);
+      if (output.find(first) != std::string::npos) ++named;
+    }
+    CHECK(named == 1);
+  }
 }
 
 TEST_CASE("pictures and videos of one folder do not make one clip") {
