@@ -16,7 +16,7 @@ constexpr int kSquare = 32;                      // pixels of full size: the sid
 constexpr std::size_t kSmallPicture = 5000;      // pixels
 constexpr std::size_t kFewestEdges = 30;         // pixels of a level and half
 constexpr float kHardlyMoved = 0.5f;             // pixels: patches find that themselves
-constexpr float kAgreed = 0.25f;                 // of what both say: how far the halves may be apart
+constexpr double kAgreed = 0.65;                 // of what both say: how far the halves may be apart
 
 void halve(const Image<float>& picture, Image<float>& half) {
   const int rows = picture.rows() / 2, cols = picture.cols() / 2;
@@ -47,9 +47,20 @@ struct Normal {
     const double scale = 1 / (a * b - xy * xy);
     return {static_cast<float>(scale * (b * x - xy * y)), static_cast<float>(scale * (a * y - xy * x))};
   }
+  // How far an offset changes what the edges show, squared.
+  double squared_change(Offset offset) const {
+    const auto u = static_cast<double>(offset.x), v = static_cast<double>(offset.y);
+    return xx * u * u + 2 * xy * u * v + yy * v * v;
+  }
 };
 
 }  // namespace
+
+// What a half of the picture tells.
+struct CameraShake::Told {
+  Offset moved;
+  Normal edges;  // of the last step
+};
 
 CameraShake::CameraShake(int rows, int cols) : farthest_px_(static_cast<float>(rows + cols) / 70) {
   for (int scale = 1; std::min(rows, cols) >> scale >= kLeastSide; ++scale) {
@@ -72,13 +83,18 @@ Offset CameraShake::measure(const Image<float>& frame, const Image<float>& state
                             const Image<float>& predicted, float ratio, WorkerPool& pool) {
   if (levels_.empty()) return {};
   shrink(frame, state);
-  std::array<std::optional<Offset>, 2> told;
+  std::array<std::optional<Told>, 2> told;
   pool.for_each(2, [&](int half) { told[static_cast<std::size_t>(half)] = follow(half, predicted, ratio); });
   const auto& [a, b] = told;
   if (!a || !b) return {};
-  const Offset both{(a->x + b->x) / 2, (a->y + b->y) / 2};
-  const float far = length_of(both), apart = length_of({a->x - b->x, a->y - b->y});
-  return far > kHardlyMoved && far < farthest_px_ && apart < kAgreed * far ? both : Offset{};
+  const Offset &p = a->moved, &q = b->moved;
+  const Offset both{(p.x + q.x) / 2, (p.y + q.y) / 2}, apart{p.x - q.x, p.y - q.y};
+  const auto squared_change = [&](Offset offset) {
+    return a->edges.squared_change(offset) + b->edges.squared_change(offset);
+  };
+  const bool agree = squared_change(apart) < kAgreed * kAgreed * squared_change(both);
+  const float far = length_of(both);
+  return agree && far > kHardlyMoved && far < farthest_px_ ? both : Offset{};
 }
 
 void CameraShake::shrink(const Image<float>& frame, const Image<float>& state) {
@@ -90,19 +106,19 @@ void CameraShake::shrink(const Image<float>& frame, const Image<float>& state) {
 }
 
 // What one half of the picture tells, from coarse to fine.
-std::optional<Offset> CameraShake::follow(int half, const Image<float>& predicted, float ratio) {
+std::optional<CameraShake::Told> CameraShake::follow(int half, const Image<float>& predicted, float ratio) {
   constexpr int kMostSteps = 6;
-  Offset moved;
+  Told told;
   for (auto level = levels_.rbegin(); level != levels_.rend() && level->is_compared(); ++level) {
     find_edges(half, *level, predicted, ratio);
     Half& own = halves_[static_cast<std::size_t>(half)];
     for (int step = 0; step < kMostSteps; ++step) {
-      const bool goes_on = approach(*level, own, moved);
+      const bool goes_on = approach(*level, own, told);
       if (own.differences.size() < kFewestEdges) return std::nullopt;
       if (!goes_on) break;
     }
   }
-  return moved;
+  return told;
 }
 
 // All pixels of a small picture; of a larger one those whose slope is above the mean, which tell most.
@@ -139,12 +155,12 @@ void CameraShake::find_edges(int half, const Level& level, const Image<float>& p
 }
 
 // One step, of at most a pixel of the level; whether the next one may be worth it.
-bool CameraShake::approach(const Level& level, Half& half, Offset& moved) {
+bool CameraShake::approach(const Level& level, Half& half, Told& told) {
   constexpr float kUnseen = std::numeric_limits<float>::infinity();
   constexpr double kLeastSpread2 = 0.05, kCauchy2 = 4;  // codes^2; squared scale of the weights, in sigmas
   constexpr float kArrived = 0.02f;                     // pixels of the level
   const float size = static_cast<float>(1 << level.scale);
-  const float u = moved.x / size, v = moved.y / size;
+  const float u = told.moved.x / size, v = told.moved.y / size;
   const auto right = static_cast<float>(level.frame.cols() - 2),
              bottom = static_cast<float>(level.frame.rows() - 2);
   half.differences.clear(), half.sorted.clear();
@@ -161,16 +177,16 @@ bool CameraShake::approach(const Level& level, Half& half, Offset& moved) {
   for (float& difference : half.sorted) difference = std::abs(difference - offset);
   const double sigma = kSigmaPerMad * static_cast<double>(median(half.sorted));
   const double scale2 = std::max(kLeastSpread2, kCauchy2 * sigma * sigma);
-  Normal normal;
+  told.edges = {};
   for (std::size_t i = 0; i < half.edges.size(); ++i) {
     if (half.differences[i] == kUnseen) continue;
     const auto difference = static_cast<double>(half.differences[i] - offset);
-    normal.add(1 / (1 + difference * difference / scale2), static_cast<double>(half.edges[i].slope_x),
-               static_cast<double>(half.edges[i].slope_y), difference);
+    told.edges.add(1 / (1 + difference * difference / scale2), static_cast<double>(half.edges[i].slope_x),
+                   static_cast<double>(half.edges[i].slope_y), difference);
   }
-  const Offset step = normal.step();
+  const Offset step = told.edges.step();
   const float length = length_of(step), scale = size / std::max(1.f, length);
-  moved = {moved.x + scale * step.x, moved.y + scale * step.y};
+  told.moved = {told.moved.x + scale * step.x, told.moved.y + scale * step.y};
   return length >= kArrived;
 }
 

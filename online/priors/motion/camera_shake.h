@@ -6,8 +6,8 @@
 //
 // from coarse to fine (Lucas and Kanade, IJCAI 1981; gradients of the state, which has less noise, as Baker
 // and Matthews, IJCV 2004; rho of Cauchy, as wide as the differences themselves). Two halves of the picture,
-// a chessboard, are asked apart: what they agree on is no noise. Thread-bound; no allocation after the first
-// frame.
+// a chessboard, are asked apart: what they agree on is no noise. How far they are apart is measured by what
+// edges tell: along an edge neither half knows. Thread-bound; no allocation after the first frame.
 #pragma once
 
 #include <array>
@@ -41,15 +41,17 @@ class CameraShake {
   struct EdgePixel {
     float code, slope_x, slope_y, x, y;
   };
+  struct Told;
   struct Half {
     std::vector<EdgePixel> edges;  // of the level in progress
     std::vector<float> differences, sorted;
   };
 
   void shrink(const Image<float>& frame, const Image<float>& state);
-  std::optional<Offset> follow(int half, const Image<float>& predicted, float ratio);
+  std::optional<Told> follow(int half, const Image<float>& predicted, float ratio);
   void find_edges(int half, const Level& level, const Image<float>& predicted, float ratio);
-  static bool approach(const Level& level, Half& half, Offset& moved);
+  static bool approach(const Level& level, Half& half, Told& told);
+  static bool agree(const Told& a, const Told& b);
 
   const float farthest_px_;
   std::vector<Level> levels_;  // from fine to coarse; the coarser ones are compared

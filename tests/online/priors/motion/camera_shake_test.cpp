@@ -13,15 +13,17 @@ namespace {
 constexpr int kRows = 120, kCols = 160;
 
 // Codes of a texture that does not repeat itself, moved by so many pixels, with noise of so many codes.
-Image<float> picture(Offset moved, double noise_codes, unsigned seed) {
+// across: how strong what is not striped is, against the stripes.
+Image<float> picture(Offset moved, double noise_codes, unsigned seed, double across = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, noise_codes);
   Image<float> codes(1, kRows, kCols);
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x) {
       const double u = x - static_cast<double>(moved.x), v = y - static_cast<double>(moved.y);
-      const double texture = std::sin(0.31 * u + 0.17 * v) + std::sin(0.23 * v - 0.11 * u) +
-                             std::sin(0.07 * u) * std::cos(0.09 * v);
+      const double texture =
+          std::sin(0.31 * u + 0.17 * v) +
+          across * (std::sin(0.23 * v - 0.11 * u) + std::sin(0.07 * u) * std::cos(0.09 * v));
       codes.at(0, y, x) = static_cast<float>(40 + 5 * texture + (noise_codes > 0 ? noise(random) : 0));
     }
   return codes;
@@ -76,6 +78,19 @@ TEST_CASE("pictures that do not show the same have no shake") {
     white.fill(255);
     check_near(shake.measure(noise, state, motion_of({0, 0}), 1, pool), {0, 0});
     check_near(shake.measure(white, state, motion_of({0, 0}), 1, pool), {0, 0});
+  }
+}
+
+TEST_CASE("across the stripes of a picture its halves tell a shake, though not along them") {
+  WorkerPool pool(1);
+  CameraShake shake(kRows, kCols);
+  const Offset moved{2, 1}, normal{0.88f, 0.48f};  // of the stripes
+  const Image<float> state = picture({0, 0}, 0, 1, 0.05);
+  for (unsigned seed = 2; seed <= 11; ++seed) {
+    CAPTURE(seed);
+    const Offset found = shake.measure(picture(moved, 6, seed, 0.05), state, motion_of({0, 0}), 1, pool);
+    CHECK(found.x * normal.x + found.y * normal.y ==
+          Approx(-moved.x * normal.x - moved.y * normal.y).margin(0.2));
   }
 }
 
