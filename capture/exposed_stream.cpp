@@ -50,8 +50,8 @@ float range_above(const BlackLevel& black_level) {
 ExposedStream::ExposedStream(const CameraFacts& camera, int first_frames, StatedBlack stated_black)
     : first_frames_(static_cast<std::size_t>(first_frames)),
       stated_black_(stated_black),
-      is_companded_(is_companded(camera)),
-      white_(camera) {
+      is_companded_(is_companded(camera)) {
+  if (stated_black_ == StatedBlack::Kept) white_search_.emplace(camera);
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
   if (camera.framerate_hz > 0) settings_.frame_s = 1 / camera.framerate_hz;
@@ -83,9 +83,10 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
   settings_.reference_exposure = cycle_mean(waiting_);
   for (const RawFrame& frame : waiting_) {
     if (!black_level_) black_level_ = frame.facts.black_level;
-    white_.observe(frame);
+    if (white_search_) white_search_->observe(frame);
   }
-  if (stated_black_ == StatedBlack::Kept) settings_.white = white_.found();
+  if (white_search_) settings_.white = white_search_->found();
+  white_search_.reset();
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     const FrameFacts& frame = waiting_[i].facts;
     // no frame precedes the first one

@@ -44,11 +44,11 @@ class ExposedStream {
   const std::size_t first_frames_;
   const StatedBlack stated_black_;
   const bool is_companded_;
-  WhiteSearch white_;
   ExposedFrameSettings settings_;
   // Of frames that state none: the first that one of the waiting frames states. None: black is taken for 0.
   std::optional<BlackLevel> black_level_;
-  std::vector<RawFrame> waiting_;  // until the reference is known
+  std::optional<WhiteSearch> white_search_;  // where the response is unknown, until the first frames told
+  std::vector<RawFrame> waiting_;            // until the reference is known
   bool started_ = false;
   int arrived_ = 0;
   Instant last_time_;
