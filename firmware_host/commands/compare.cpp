@@ -89,6 +89,15 @@ void print_frames(const ClipScores& scores) {
     say("not scored, the clip has no such frame: estimates {}\n", listed(scores.not_in_clip));
 }
 
+void print_not_finite(const std::vector<NotFiniteEstimate>& estimates) {
+  if (estimates.empty()) return;
+  std::size_t samples = 0;
+  for (const NotFiniteEstimate& estimate : estimates) samples += estimate.samples;
+  say("not finite: {} samples, of '{}'{}; NaN is scored as 0, infinity as 60000\n", samples,
+      estimates.front().path,
+      estimates.size() > 1 ? fmt::format(" and {} more", estimates.size() - 1) : std::string());
+}
+
 // Not the HDR frames in its place.
 Result<void> check_clip(Storage& storage, const std::string& folder) {
   const bool clip = TRY(storage.look_at(folder + "/" + ImageSequence::kFile)).kind != FileKind::Missing;
@@ -113,6 +122,7 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
     print_table(scores, clip, label);
     print_details(scores);
     print_frames(scores);
+    print_not_finite(scores.not_finite);
   }
   return flags.json.write(around.storage, to_json(scores, clip, label));
 }

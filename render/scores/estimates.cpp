@@ -1,7 +1,10 @@
 #include "render/scores/estimates.h"
 
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "hal/core/folder_listing.h"
 #include "hal/core/parse_number.h"
@@ -67,6 +70,13 @@ Result<Estimate> Estimates::read(std::uint64_t frame, int rows, int cols) const 
   estimate.flow_backward = flow_of(picture, exr_channel::kFlowBackward);
   estimate.flow_forward = flow_of(picture, exr_channel::kFlowForward);
   estimate.field_flow = flow_of(picture, exr_channel::kFieldFlow);
+  using Names = std::span<const std::string_view>;
+  for (const Names layer : std::initializer_list<Names>{exr_channel::kRadiance,
+                                                        {&exr_channel::kDepth, 1},
+                                                        exr_channel::kFlowBackward,
+                                                        exr_channel::kFlowForward,
+                                                        exr_channel::kFieldFlow})
+    estimate.not_finite += count_not_finite(picture, layer);
   return estimate;
 }
 

@@ -2,6 +2,7 @@
 // (000007.exr, 0007.exr). Thread-bound; returns fresh images.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -21,6 +22,7 @@ struct Estimate {
   Image<float> flow_backward;  // [dx dy, rows, cols] pixels to the previous frame
   Image<float> flow_forward;   // [dx dy, rows, cols] pixels to the next frame
   Image<float> field_flow;     // [dx dy, rows, cols] the field's, pixels to the previous frame
+  std::size_t not_finite = 0;  // samples of these layers in the file that were NaN or infinite
 };
 
 class Estimates {
@@ -32,6 +34,7 @@ class Estimates {
 
   bool contains(std::uint64_t frame) const { return paths_.contains(frame); }
   std::vector<std::uint64_t> numbers() const;  // of all its frames, in their order
+  const std::string& path(std::uint64_t frame) const { return paths_.at(frame); }
   // Errors: those of read_exr and rgb_of; SizeChanged.
   Result<Estimate> read(std::uint64_t frame, int rows, int cols) const;
 

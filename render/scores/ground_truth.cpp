@@ -127,15 +127,15 @@ std::string GroundTruth::path(const char* kind, int frame, const char* extension
 }
 
 Result<Image<float>> GroundTruth::radiance(int frame) const {
-  return read_linear_rgb(*storage_, path("hdr", frame, "exr"), rows_, cols_);
+  return read_true_rgb(*storage_, path("hdr", frame, "exr"), rows_, cols_);
 }
 
 Result<Image<float>> GroundTruth::novel_radiance(int frame) const {
-  return or_empty(read_linear_rgb(*storage_, path("novel", frame, "exr"), rows_, cols_));
+  return or_empty(read_true_rgb(*storage_, path("novel", frame, "exr"), rows_, cols_));
 }
 
 Result<MotionTruth> GroundTruth::motion(int frame) const {
-  const auto picture = TRY(or_empty(read_linear_rgb(*storage_, path("flow", frame, "exr"), rows_, cols_)));
+  const auto picture = TRY(or_empty(read_true_rgb(*storage_, path("flow", frame, "exr"), rows_, cols_)));
   MotionTruth motion;
   if (picture.empty()) return motion;
   motion.flow.reshape(2, rows_, cols_);

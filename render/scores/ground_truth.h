@@ -47,8 +47,8 @@ class GroundTruth {
   std::uint64_t number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
   double shortest_saturation() const { return shortest_saturation_; }
 
-  // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional
-  // kinds are empty images where the clip has none.
+  // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged; Corrupt where
+  // radiance or motion is not finite. The optional kinds are empty images where the clip has none.
   Result<Image<float>> radiance(int frame) const;  // [rgb, rows, cols] finite
   Result<MotionTruth> motion(int frame) const;
   Result<Image<float>> depth(int frame) const;               // [1, rows, cols] metres

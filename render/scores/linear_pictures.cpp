@@ -4,6 +4,17 @@
 
 namespace hdrcam {
 
+std::size_t count_not_finite(const ExrImage& picture, std::span<const std::string_view> names) {
+  std::size_t count = 0;
+  for (const std::string_view name : names)
+    if (const auto channel = picture.find(name)) {
+      const float* samples = picture.samples.plane(*channel);
+      count += static_cast<std::size_t>(std::count_if(samples, samples + picture.samples.plane_size(),
+                                                      [](float v) { return !std::isfinite(v); }));
+    }
+  return count;
+}
+
 void copy_finite(const ExrImage& picture, int channel, float* to) {
   const float* from = picture.samples.plane(channel);
   std::transform(from, from + picture.samples.plane_size(), to, finite_or_bound);
@@ -27,10 +38,15 @@ Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name) {
   return rgb;
 }
 
-Result<Image<float>> read_linear_rgb(Storage& storage, const std::string& path, int rows, int cols) {
+Result<Image<float>> read_true_rgb(Storage& storage, const std::string& path, int rows, int cols) {
   const ExrImage picture = TRY(read_exr(storage, path));
   Image<float> rgb = TRY(rgb_of(picture, path));
   TRY(check_size(rgb, path, rows, cols));
+  if (const std::size_t broken = count_not_finite(picture, exr_channel::kRadiance); broken > 0)
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' has NaN or infinity in {} of its {} samples; nothing can be compared with "
+                             "them, so write the truth again",
+                             path, broken, rgb.size())};
   return rgb;
 }
 

@@ -1,9 +1,13 @@
-// OpenEXR pictures for scoring: planes by name, of the clip's size, with NaN and -Inf read as 0 and +Inf as
-// 60000 (a broken estimate is scored, not refused). Reentrant.
+// OpenEXR pictures for scoring: planes by name, of the clip's size, finite. An estimate that is not is
+// scored, not refused, with NaN and -Inf read as 0 and +Inf as 60000, and counted; a truth that is not is an
+// error. Reentrant.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "hal/core/image.h"
 #include "hal/core/result.h"
@@ -17,6 +21,9 @@ inline float finite_or_bound(float v) {
   if (std::isfinite(v)) return v;
   return v > 0 ? kInfinity : 0;
 }
+
+// How many samples of those channels are NaN or infinite; 0 of a channel that the picture lacks.
+std::size_t count_not_finite(const ExrImage& picture, std::span<const std::string_view> names);
 
 // The samples of one channel, finite, to as many floats.
 void copy_finite(const ExrImage& picture, int channel, float* to);
@@ -39,7 +46,8 @@ Result<void> check_size(const Image<T>& picture, const std::string& name, int ro
   return check_size(picture.rows(), picture.cols(), name, rows, cols);
 }
 
-// read_exr, rgb_of and check_size in one.
-Result<Image<float>> read_linear_rgb(Storage& storage, const std::string& path, int rows, int cols);
+// A picture of the truth: read_exr, rgb_of and check_size in one. Errors: theirs; Corrupt where a sample is
+// not finite, which would be compared as if it were 0.
+Result<Image<float>> read_true_rgb(Storage& storage, const std::string& path, int rows, int cols);
 
 }  // namespace hdrcam

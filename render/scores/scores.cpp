@@ -148,6 +148,7 @@ class ClipScoring {
     TRY(unless_stopped());
     const Image<float> g = TRY(truth_.radiance(frame));
     const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
+    note_not_finite(e, estimates_.path(truth_.number(frame)));
     PreviousFrame now{.frame = frame, .pair = {}, .moving = {}, .motion = {}};
     now.pair = comparable_pair(g, e.radiance, scores_.shared);
     now.moving = TRY(truth_.moving_mask(frame));
@@ -170,6 +171,10 @@ class ClipScoring {
     }
     previous_ = std::move(now);
     return {};
+  }
+
+  void note_not_finite(const Estimate& e, const std::string& path) {
+    if (e.not_finite > 0) scores_.not_finite.push_back({path, e.not_finite});
   }
 
   // What happened since the frame before: its flicker, which is returned, and errors of flow back to it.
@@ -197,6 +202,7 @@ class ClipScoring {
     const Image<float> g = TRY(truth_.novel_radiance(frame));
     if (g.empty()) return {};
     const Estimate e = TRY(novel_->read(truth_.number(frame), truth_.rows(), truth_.cols()));
+    note_not_finite(e, novel_->path(truth_.number(frame)));
     novel_psnr_mu_.add(
         score_picture(comparable_pair(g, e.radiance, scores_.shared), Image<std::uint8_t>{}).psnr_mu_db);
     return {};

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -36,6 +37,13 @@ struct FrameScores {
   std::optional<double> flicker_stops;  // to the previous frame; none where that or the motion is missing
 };
 
+// An estimate with samples that are NaN or infinite. They are scored as 0 or 60000
+// (render/scores/linear_pictures.h).
+struct NotFiniteEstimate {
+  std::string path;
+  std::size_t samples = 0;
+};
+
 struct ClipScores {
   Normalisation shared;
   PictureScores mean;                   // of the frames; psnr_mu_moving_db over frames where something moves
@@ -56,6 +64,7 @@ struct ClipScores {
   // Numbers of the clip's frames, except skipped ones, without an estimate.
   std::vector<std::uint64_t> missing;
   std::vector<std::uint64_t> not_in_clip;  // numbers of estimates that the clip has no frame for
+  std::vector<NotFiniteEstimate> not_finite;
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for

@@ -47,6 +47,9 @@ std::string to_json(const ClipScores& scores, const std::string& clip, const std
   json["field_flow_epe_px"] = or_null(scores.field_flow_epe_px);
   json["field_flow_moving_epe_px"] = or_null(scores.field_flow_moving_epe_px);
   json["novel_psnr_mu"] = or_null(scores.novel_psnr_mu_db);
+  json["not_finite"] = nlohmann::json::array();
+  for (const NotFiniteEstimate& estimate : scores.not_finite)
+    json["not_finite"].push_back({{"file", estimate.path}, {"samples", estimate.samples}});
   for (const FrameScores& scored : scores.frames)
     json["per_frame"].push_back({{"frame", scored.frame},
                                  {"psnr_mu", scored.picture.psnr_mu_db},

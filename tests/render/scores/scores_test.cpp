@@ -42,6 +42,20 @@ Error error_of(const std::string& clip, const std::string& out, const ScoreOptio
   return scores.error();
 }
 
+// An uncompressed float picture ends with its samples: the last of R in the last row becomes a NaN.
+void write_with_a_nan(const std::string& path, const Image<float>& rgb) {
+  ExrPicture picture{rgb.rows(), rgb.cols(), {}, {}, ExrCompression::None};
+  for (int c = 0; c < 3; ++c)
+    picture.channels.push_back(
+        {std::string(exr_channel::kRadiance[c]), {rgb.plane(c), rgb.plane_size()}, ExrSample::Float});
+  std::vector<std::byte> bytes = encode_exr(picture).value();
+  for (std::size_t i = bytes.size() - 4; i < bytes.size(); ++i) bytes[i] = std::byte{0x7f};
+  bytes[bytes.size() - 2] = std::byte{0xff};
+  const float last = decode_exr(bytes, "nan.exr").value().samples.plane(2)[rgb.plane_size() - 1];
+  REQUIRE(std::isnan(last));
+  REQUIRE(write_whole(posix_storage(), path, bytes).ok());
+}
+
 bool mentions(const Error& error, const std::string& word) {
   return error.message.find(word) != std::string::npos;
 }
@@ -252,21 +266,31 @@ TEST_CASE("a broken estimate is scored, not refused: NaN counts as black") {
   TemporaryFolder clip;
   write_clip_and_estimates(clip.path(), Geometry::Without);
   const double sound = scores_of(clip).mean.psnr_mu_db;
-  // An uncompressed float picture ends with its samples: the last of R in the last row becomes a NaN.
-  Image<float> rgb = synthetic_clip::estimate(4);
-  ExrPicture picture{rgb.rows(), rgb.cols(), {}, {}, ExrCompression::None};
-  for (int c = 0; c < 3; ++c)
-    picture.channels.push_back(
-        {std::string(exr_channel::kRadiance[c]), {rgb.plane(c), rgb.plane_size()}, ExrSample::Float});
-  std::vector<std::byte> bytes = encode_exr(picture).value();
-  for (std::size_t i = bytes.size() - 4; i < bytes.size(); ++i) bytes[i] = std::byte{0x7f};
-  bytes[bytes.size() - 2] = std::byte{0xff};
-  const float last = decode_exr(bytes, "nan.exr").value().samples.plane(2)[rgb.plane_size() - 1];
-  REQUIRE(std::isnan(last));
-  REQUIRE(write_whole(posix_storage(), clip / "out/000004.exr", bytes).ok());
+  REQUIRE(scores_of(clip).not_finite.empty());
+  write_with_a_nan(clip / "out/000004.exr", synthetic_clip::estimate(4));
   const ClipScores scores = scores_of(clip);
   REQUIRE(std::isfinite(scores.mean.psnr_mu_db));
   REQUIRE(scores.mean.psnr_mu_db < sound);
+  REQUIRE(scores.not_finite.size() == 1);
+  CHECK(scores.not_finite.front().path == clip / "out/000004.exr");
+  CHECK(scores.not_finite.front().samples == 1);
+  const auto json = nlohmann::json::parse(to_json(scores, "a clip", "a label"));
+  REQUIRE(json.at("not_finite").size() == 1);
+  CHECK(json.at("not_finite").at(0).at("file") == clip / "out/000004.exr");
+  CHECK(json.at("not_finite").at(0).at("samples") == 1);
+}
+
+TEST_CASE("a truth that is not finite is refused, with its file and how many samples") {
+  for (const char* kind : {"hdr", "flow"}) {
+    TemporaryFolder clip;
+    write_clip_and_estimates(clip.path(), Geometry::Without);
+    const std::string file = clip / fmt::format("gt/{}/0004.exr", kind);
+    write_with_a_nan(file, synthetic_clip::radiance(4));
+    const Error wrong = error_of(clip.path(), clip / "out");
+    CAPTURE(wrong.message);
+    CHECK(wrong.code == ErrorCode::Corrupt);
+    CHECK(mentions(wrong, "'" + file + "' has NaN or infinity in 1 of its 5184 samples"));
+  }
 }
 
 TEST_CASE("a comparison that cannot be is refused with a sentence that names the thing") {
