@@ -33,7 +33,7 @@ Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint
 
 // Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
 struct PixFormat {
-  std::uint32_t width, height, fourcc, stride, bytes;
+  std::uint32_t width, height, fourcc, stride, bytes, field;
   YuvCoding yuv;
 };
 
@@ -68,11 +68,17 @@ PixFormat read_format(const v4l2_format& format) {
             mp.pixelformat,
             mp.plane_fmt[0].bytesperline,
             mp.plane_fmt[0].sizeimage,
+            mp.field,
             coding_of(mp.colorspace, mp.ycbcr_enc, mp.quantization)};
   }
   const auto& pix = format.fmt.pix;
-  return {pix.width,        pix.height,    pix.pixelformat,
-          pix.bytesperline, pix.sizeimage, coding_of(pix.colorspace, pix.ycbcr_enc, pix.quantization)};
+  return {pix.width,
+          pix.height,
+          pix.pixelformat,
+          pix.bytesperline,
+          pix.sizeimage,
+          pix.field,
+          coding_of(pix.colorspace, pix.ycbcr_enc, pix.quantization)};
 }
 
 void add_sizes(const DeviceNode& video, std::uint32_t queue_type, PixelFormat format, std::uint32_t fourcc,
@@ -135,6 +141,18 @@ Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, D
   capture.timeperframe.denominator = 10'000'000;
   if (video.ask(VIDIOC_S_PARM, &parameters) != 0) return before;
   return is_stated(capture.timeperframe) ? duration_of(capture.timeperframe) : wanted;
+}
+
+// Both fields of an interlaced signal, woven into one picture, are of two moments; a single one lacks every
+// second row. ANY is what no driver should answer: it reports no fields.
+Result<void> check_progressive(const DeviceNode& video, std::uint32_t field) {
+  if (field == V4L2_FIELD_NONE || field == V4L2_FIELD_ANY) return {};
+  return Error{ErrorCode::Unsupported,
+               fmt::format("'{}' delivers {}; feed it a progressive signal (1080p, not 1080i), or choose "
+                           "another input or size",
+                           video.path(),
+                           V4L2_FIELD_HAS_BOTH(field) ? "interlaced pictures, whose rows are of two moments"
+                                                      : "single fields, which lack every second row")};
 }
 
 // The standards of TV and DV timings belong to inputs that take the signal of another device.
@@ -209,6 +227,7 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' does not offer {}; it offers {}", video.path(), name(wanted.format),
                              offered_formats(video, queue_type))};
+  TRY(check_progressive(video, agreed.field));
   V4l2Picture picture;
   picture.mode = wanted;
   picture.mode.width = static_cast<int>(agreed.width), picture.mode.height = static_cast<int>(agreed.height);

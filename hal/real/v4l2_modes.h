@@ -39,7 +39,8 @@ struct V4l2Picture {
   YuvCoding yuv;                      // of YUV formats
   std::size_t stride = 0, bytes = 0;  // of a row (0: compressed), of a whole picture
 };
-// Sets the nearest mode that the driver accepts. Unsupported for another format, naming the offered ones.
+// Sets the nearest mode that the driver accepts. Unsupported for another format, naming the offered ones, and
+// where pictures are interlaced.
 Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted);
 
 }  // namespace hdrcam

@@ -121,6 +121,38 @@ TEST_CASE("a whole picture is what its rows need, however the driver pads its bu
   }
 }
 
+TEST_CASE("a capture card whose signal is interlaced is refused, and one that has no fields is not") {
+  const DeviceNode video = node();
+  const auto answer_with = [&](std::uint32_t queue, std::uint32_t field) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request != VIDIOC_S_FMT) return EINVAL;
+      auto& format = *static_cast<v4l2_format*>(argument);
+      if (queue == V4L2_BUF_TYPE_VIDEO_CAPTURE)
+        format.fmt.pix.field = field;
+      else
+        format.fmt.pix_mp.field = static_cast<std::uint8_t>(field), format.fmt.pix_mp.num_planes = 1;
+      return 0;
+    });
+    return set_mode(video, queue, {PixelFormat::Yuyv, 720, 576, std::chrono::milliseconds(40)});
+  };
+  for (const std::uint32_t queue : {V4L2_BUF_TYPE_VIDEO_CAPTURE, V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE}) {
+    for (const std::uint32_t whole : {V4L2_FIELD_NONE, V4L2_FIELD_ANY}) CHECK(answer_with(queue, whole).ok());
+    for (const std::uint32_t woven : {V4L2_FIELD_INTERLACED, V4L2_FIELD_INTERLACED_TB,
+                                      V4L2_FIELD_INTERLACED_BT, V4L2_FIELD_SEQ_TB, V4L2_FIELD_SEQ_BT}) {
+      CAPTURE(queue, woven);
+      const auto refused = answer_with(queue, woven);
+      require_error(refused, ErrorCode::Unsupported);
+      CHECK_THAT(refused.error().message, Catch::Contains("rows are of two moments"));
+    }
+    for (const std::uint32_t single : {V4L2_FIELD_TOP, V4L2_FIELD_BOTTOM, V4L2_FIELD_ALTERNATE}) {
+      CAPTURE(queue, single);
+      const auto refused = answer_with(queue, single);
+      require_error(refused, ErrorCode::Unsupported);
+      CHECK_THAT(refused.error().message, Catch::Contains("single fields"));
+    }
+  }
+}
+
 TEST_CASE("a frame duration that the driver does not take is the one that it has") {
   const DeviceNode video = node();
   struct Driver {
