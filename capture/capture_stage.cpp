@@ -54,8 +54,7 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
   const auto schedule =
       TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
                                : ExposureSchedule::observed(own_cycle));
-  if (options.trigger != nullptr)
-    TRY(PulseTrain::check(options.trigger->options(), schedule, offers.exposure_step));
+  if (options.trigger != nullptr) TRY(PulseTrain::check(options.trigger->options(), schedule, offers));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
 }
 
@@ -404,7 +403,7 @@ Result<ExposureSchedule> CaptureStage::schedule_of(std::span<const Exposure> cyc
   const auto schedule =
       TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
   if (const TriggerOptions* trigger = trigger_.options(); trigger != nullptr)
-    TRY(PulseTrain::check(*trigger, schedule, camera_.capabilities().exposure_step));
+    TRY(PulseTrain::check(*trigger, schedule, camera_.capabilities()));
   return schedule;
 }
 
@@ -428,7 +427,7 @@ Duration CaptureStage::longest_exposure() const {
   const Duration longest =
       std::min(offers.exposure_max, mode_.frame_duration - ExposureSchedule::frame_margin(offers));
   if (!trigger_.exposes()) return longest;
-  return std::min(longest, PulseTrain::longest_width(*trigger_.options(), offers.exposure_step));
+  return std::min(longest, longest_within(PulseTrain::longest_width(*trigger_.options()), offers));
 }
 
 std::optional<ExposureLimits> CaptureStage::exposure_limits() const {

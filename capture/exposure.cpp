@@ -177,4 +177,9 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
   return nearest;
 }
 
+Duration longest_within(Duration limit, const CameraCapabilities& camera) {
+  if (camera.exposure_step <= Duration(1) || limit < camera.exposure_min) return limit;
+  return camera.exposure_min + (limit - camera.exposure_min) / camera.exposure_step * camera.exposure_step;
+}
+
 }  // namespace hdrcam

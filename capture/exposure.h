@@ -78,4 +78,7 @@ std::string describe(std::span<const Exposure> cycle);
 // range.
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera);
 
+// The longest of the sensor's times that is no longer than the limit; the limit where all are.
+Duration longest_within(Duration limit, const CameraCapabilities& camera);
+
 }  // namespace hdrcam

@@ -4,15 +4,14 @@
 
 namespace hdrcam {
 
-Duration PulseTrain::longest_width(const TriggerOptions& options, Duration step) {
-  const Duration longest = options.interval - options.gap - options.tolerance;
-  return step > Duration(1) ? longest / step * step : longest;
+Duration PulseTrain::longest_width(const TriggerOptions& options) {
+  return options.interval - options.gap - options.tolerance;
 }
 
 Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule,
-                               Duration step) {
+                               const CameraCapabilities& camera) {
   const bool exposes = options.mode == TriggerMode::PulseWidth;
-  const Duration longest = longest_width(options, exposes ? step : Duration(1));
+  const Duration longest = longest_width(options);
   if (longest <= Duration(0))
     return Error{
         ErrorCode::BadExposure,
@@ -35,7 +34,8 @@ Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSche
                       "late; shorten it to {} ({}), or lower --framerate, --trigger-gap or "
                       "--trigger-tolerance",
                       describe(width), describe(options.interval), describe(options.gap),
-                      describe(options.tolerance), describe(rounded_down(longest)),
+                      describe(options.tolerance),
+                      describe(rounded_down(exposes ? longest_within(longest, camera) : longest)),
                       exposes ? "--shutter" : "--trigger-width")};
   }
   return {};

@@ -47,12 +47,12 @@ inline constexpr std::size_t kMostWaitingPulses = 1024;
 class PulseTrain {
  public:
   // The widest pulse of a train: its edges may be late by the tolerance, and the next one is in time.
-  // step: of the camera's exposure time, so that what is rounded to it still fits.
-  static Duration longest_width(const TriggerOptions& options, Duration step = Duration(1));
-  // Errors: BadExposure for a pulse wider than that; Invalid for exposures of different gain in PulseWidth (a
-  // gain is set by requests, and nothing ties a request to a pulse).
+  static Duration longest_width(const TriggerOptions& options);
+  // Errors: BadExposure for a pulse wider than that, naming the widest that the camera's exposure times
+  // allow; Invalid for exposures of different gain in PulseWidth (a gain is set by requests, and nothing ties
+  // a request to a pulse).
   static Result<void> check(const TriggerOptions& options, const ExposureSchedule& schedule,
-                            Duration step = Duration(1));
+                            const CameraCapabilities& camera = {});
 
   // The schedule passes check().
   PulseTrain(const TriggerOptions& options, const ExposureSchedule& schedule)

@@ -104,6 +104,17 @@ TEST_CASE("the exposures that a sensor can do are whole steps above its shortest
   CHECK_FALSE(quantised({40us, 1}, camera).ok());
 }
 
+TEST_CASE("the longest exposure within a limit is a whole step above the sensor's shortest", "[capture]") {
+  CameraCapabilities camera = sensor();
+  camera.exposure_min = 300us, camera.exposure_step = 500us;
+  CHECK(longest_within(10ms, camera) == 9800us);
+  CHECK(longest_within(9800us, camera) == 9800us);
+  CHECK(longest_within(9799us, camera) == 9300us);
+  CHECK(longest_within(299us, camera) == 299us);  // which the sensor does not have
+  camera.exposure_step = Duration(1);
+  CHECK(longest_within(9'799'123ns, camera) == 9'799'123ns);
+}
+
 TEST_CASE("a gain whose steps grow with it becomes the nearest one that the sensor has", "[capture]") {
   CameraCapabilities camera = sensor();
   camera.gain_step = 0;

@@ -101,6 +101,21 @@ TEST_CASE("of the widest pulses none is left out, as late as their edges may be"
   }
 }
 
+TEST_CASE("the widest pulse is one of the times that the sensor has, which begin at its shortest") {
+  const TriggerOptions options = options_of(TriggerMode::PulseWidth, 16'666'667ns);
+  const Duration widest = PulseTrain::longest_width(options);  // 15.17 ms
+  for (const Duration shortest : {100us, 160us, 170us}) {
+    CameraCapabilities camera;
+    camera.exposure_min = shortest, camera.exposure_max = 1s, camera.exposure_step = 100us;
+    const Duration longest = longest_within(widest, camera);
+    CAPTURE(shortest.count(), longest.count());
+    CHECK(value_of(quantised({longest, 1}, camera)).time == longest);
+    const Exposure fits[] = {{1ms, 1}, {longest, 1}}, beyond[] = {{1ms, 1}, {longest + 100us, 1}};
+    CHECK(PulseTrain::check(options, schedule_of(fits), camera).ok());
+    CHECK_FALSE(PulseTrain::check(options, schedule_of(beyond), camera).ok());
+  }
+}
+
 TEST_CASE("pulses that cannot be are refused with what to change") {
   const ExposureSchedule schedule = schedule_of(test::kTriggerCycle);
   const auto longer = PulseTrain::check(options_of(TriggerMode::PulseWidth, 16ms), schedule);
@@ -114,9 +129,10 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
   CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 33'333'333ns), schedule_of(whole)).ok());
   // .. and what rounding to the sensor's step makes of the longest still fits
   const TriggerOptions fast = options_of(TriggerMode::PulseWidth, 16'666'667ns);
-  CHECK(PulseTrain::longest_width(fast, 100us) == 15100us);
+  CameraCapabilities camera;
+  camera.exposure_min = camera.exposure_step = 100us;
   const Exposure rounded_up[] = {{1ms, 1}, {15200us, 1}};
-  const auto beyond = PulseTrain::check(fast, schedule_of(rounded_up), 100us);
+  const auto beyond = PulseTrain::check(fast, schedule_of(rounded_up), camera);
   require_error(beyond, ErrorCode::BadExposure);
   CHECK_THAT(beyond.error().message, Contains("shorten it to 15.1 ms"));
   TriggerOptions wide = options_of(TriggerMode::FrameStart);
