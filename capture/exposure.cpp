@@ -56,6 +56,11 @@ double nearest_of(std::span<const double> sorted, double value) {
   return *above;
 }
 
+// So many steps above the shortest, to the nearest nanosecond.
+Duration after_steps(std::int64_t steps, const CameraCapabilities& camera) {
+  return camera.exposure_min + std::chrono::round<Duration>(steps * camera.exposure_step);
+}
+
 }  // namespace
 
 bool outlasts_frame(double exposure_s, double interval_s) {
@@ -147,7 +152,7 @@ std::string describe(std::span<const Exposure> cycle) {
 
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera) {
   // A value up to half a step outside the range still rounds into it.
-  const Duration half_step = camera.exposure_step / 2;
+  const auto half_step = std::chrono::duration_cast<Duration>(camera.exposure_step / 2);
   if (exposure.time < camera.exposure_min - half_step || exposure.time > camera.exposure_max + half_step)
     return Error{ErrorCode::BadExposure,
                  fmt::format("shutter {} is outside what '{}' offers, {} to {}; choose one within",
@@ -165,8 +170,8 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
 
   Exposure nearest = exposure;
   if (camera.exposure_step > Duration(1))
-    nearest.time = camera.exposure_min + (exposure.time - camera.exposure_min + half_step) /
-                                             camera.exposure_step * camera.exposure_step;
+    nearest.time =
+        after_steps((exposure.time - camera.exposure_min + half_step) / camera.exposure_step, camera);
   nearest.time = std::clamp(nearest.time, camera.exposure_min, camera.exposure_max);
   if (uneven)
     nearest.gain = nearest_of(gains, exposure.gain);
@@ -179,7 +184,9 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
 
 Duration longest_within(Duration limit, const CameraCapabilities& camera) {
   if (camera.exposure_step <= Duration(1) || limit < camera.exposure_min) return limit;
-  return camera.exposure_min + (limit - camera.exposure_min) / camera.exposure_step * camera.exposure_step;
+  const std::int64_t steps = (limit - camera.exposure_min) / camera.exposure_step;
+  const Duration next = after_steps(steps + 1, camera);  // rounded down, it may be within
+  return next <= limit ? next : after_steps(steps, camera);
 }
 
 }  // namespace hdrcam

@@ -76,7 +76,7 @@ Duration whole_half_periods(Duration time, Duration half_period, Duration longes
 // but a coarse unit (UVC counts in 100 us), 48 steps would be far too much.
 Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
   constexpr Duration kMost{1'000'000};
-  return std::min(48 * camera.exposure_step, kMost);
+  return std::min(std::chrono::round<Duration>(48 * camera.exposure_step), kMost);
 }
 
 Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycle,

@@ -4,6 +4,7 @@
 // thread may call to end a wait().
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -102,10 +103,13 @@ struct CameraCapabilities {
   // Of the stream, once configured, where the device has its own number: fewer than asked for, as its memory
   // allows or as its driver always has, or more, as it needs queued to deliver frames at all.
   std::optional<int> buffers;
-  Duration usual_frame_duration = kUsualFrameDuration;          // unless another is requested
-  Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // steps begin at min; a line for most sensors
-  double gain_min = 1, gain_max = 1;                            // analogue
-  double gain_step = 0;                                         // 0: continuous, or as gains says
+  Duration usual_frame_duration = kUsualFrameDuration;  // unless another is requested
+  Duration exposure_min{0}, exposure_max{0};
+  // Steps begin at min. Of most sensors a line: no whole number of nanoseconds, and thousands make an
+  // exposure.
+  std::chrono::duration<std::int64_t, std::pico> exposure_step{1000};
+  double gain_min = 1, gain_max = 1;  // analogue
+  double gain_step = 0;               // 0: continuous, or as gains says
   // All of them, increasing, where their steps are not alike; empty: gain_step.
   std::vector<double> gains;
   bool sets_exposure = false;          // false: the camera delivers frames, but its exposure is fixed

@@ -21,7 +21,7 @@ constexpr const char* kLibcameraPrefix = "libcamera:";
 
 std::string exposure_fact(const CameraCapabilities& camera) {
   if (!camera.sets_exposure) return "exposure: fixed by the device";
-  const auto microseconds = [](Duration d) { return static_cast<double>(d.count()) * 1e-3; };
+  const auto microseconds = [](auto d) { return std::chrono::duration<double, std::micro>(d).count(); };
   std::string fact = fmt::format("exposure {:.1f} to {:.1f} us in steps of {:.1f} us, gain {:.2f} to {:.2f}",
                                  microseconds(camera.exposure_min), microseconds(camera.exposure_max),
                                  microseconds(camera.exposure_step), camera.gain_min, camera.gain_max);

@@ -190,7 +190,8 @@ void ExposureControl::describe(CameraCapabilities& camera) const {
   };
   camera.exposure_min = duration(lowest);
   camera.exposure_max = duration(exposure_.max);
-  camera.exposure_step = duration(exposure_.step);
+  camera.exposure_step =
+      decltype(camera.exposure_step)(std::llround(static_cast<double>(exposure_.step) * unit_ns_ * 1000));
   camera.gain_min = camera.gain_max = 1, camera.gain_step = 0;
   camera.gains.clear();
   if (gain_.id == 0) return;

@@ -32,7 +32,7 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.driver = "sim";
   for (const PixelFormat format : kFormats) can.modes.push_back({format, s.width, s.height, kShortestFrame});
   can.usual_frame_duration = s.frame_duration();
-  can.exposure_min = can.exposure_step = kExposureStep;
+  can.exposure_min = kExposureStep, can.exposure_step = kExposureStep;
   can.exposure_max = s.frame_duration() - readout_of(s.frame_duration());
   can.gain_min = 1, can.gain_max = 16;
   can.sets_exposure = true;

@@ -75,7 +75,8 @@ void film(benchmark::State& state, const std::string& spec, Duration longest) {
   std::uint64_t cookie = 0;
   const auto queue = [&] {
     const Duration exposures[] = {longest / 16, longest / 4, longest};
-    camera.queue({cookie, exposures[cookie % 3] / can.exposure_step * can.exposure_step, 1}).value();
+    const auto steps = exposures[cookie % 3] / can.exposure_step;
+    camera.queue({cookie, std::chrono::round<Duration>(steps * can.exposure_step), 1}).value();
     ++cookie;
   };
   for (int i = 0; i < 4; ++i) queue();

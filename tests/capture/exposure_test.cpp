@@ -1,5 +1,8 @@
 #include "capture/exposure.h"
 
+#include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -15,6 +18,10 @@ CameraCapabilities sensor() {
   camera.exposure_min = 20us, camera.exposure_max = 30ms, camera.exposure_step = 20us;
   camera.gain_min = 1, camera.gain_max = 10, camera.gain_step = 0.25;
   return camera;
+}
+
+Duration nearest_time(Duration asked, const CameraCapabilities& camera) {
+  return quantised({asked, 1}, camera).value().time;
 }
 
 TEST_CASE("a cycle is described by its exposures, one after the other", "[capture]") {
@@ -113,6 +120,24 @@ TEST_CASE("the longest exposure within a limit is a whole step above the sensor'
   CHECK(longest_within(299us, camera) == 299us);  // which the sensor does not have
   camera.exposure_step = Duration(1);
   CHECK(longest_within(9'799'123ns, camera) == 9'799'123ns);
+}
+
+TEST_CASE("an exposure of many lines is a whole number of them, though a line is no whole nanosecond",
+          "[capture]") {
+  CameraCapabilities camera = sensor();
+  constexpr double kLine_ns = 7407.4074;
+  using Picoseconds = std::chrono::duration<std::int64_t, std::pico>;
+  camera.exposure_min = from_seconds(4 * kLine_ns * 1e-9), camera.exposure_max = 2s;
+  camera.exposure_step = Picoseconds(std::llround(kLine_ns * 1000));
+  for (const int lines : {100, 14'999, 50'000, 200'000}) {
+    const Duration whole = from_seconds(lines * kLine_ns * 1e-9);
+    CAPTURE(lines, whole.count());
+    for (const Duration asked : {whole - 3us, whole, whole + 3us})
+      CHECK(std::abs((nearest_time(asked, camera) - whole).count()) <= 1);
+    CHECK(std::abs((longest_within(whole + 1us, camera) - whole).count()) <= 1);
+    const Duration own = nearest_time(whole, camera);
+    CHECK(longest_within(own, camera) == own);
+  }
 }
 
 TEST_CASE("a gain whose steps grow with it becomes the nearest one that the sensor has", "[capture]") {

@@ -130,7 +130,7 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
   // .. and what rounding to the sensor's step makes of the longest still fits
   const TriggerOptions fast = options_of(TriggerMode::PulseWidth, 16'666'667ns);
   CameraCapabilities camera;
-  camera.exposure_min = camera.exposure_step = 100us;
+  camera.exposure_min = 100us, camera.exposure_step = 100us;
   const Exposure rounded_up[] = {{1ms, 1}, {15200us, 1}};
   const auto beyond = PulseTrain::check(fast, schedule_of(rounded_up), camera);
   require_error(beyond, ErrorCode::BadExposure);

@@ -204,7 +204,7 @@ TEST_CASE("a control that a camera refuses is named, with the value, the device,
 TEST_CASE("the limits of a sensor's exposure are times before it is configured, too") {
   const CameraCapabilities camera = described_sensor();
   // a line is 640 + 160 pixels at 24 MHz
-  CHECK(camera.exposure_step == Duration(33'333));
+  CHECK(camera.exposure_step.count() == 33'333'333);  // ps
   CHECK(camera.exposure_min == Duration(33'333));
   CHECK(camera.exposure_max == Duration(49'200'000));  // 480 + 1000 - 4 of them
 }
@@ -220,9 +220,10 @@ TEST_CASE("the exposures of a sensor are steps that begin at its shortest, and e
   control.describe(camera);
   CHECK(camera.exposure_min == Duration(33'333));      // a line
   CHECK(camera.exposure_max == Duration(49'100'000));  // 1 + 92 * 16 of them: 1476 are no whole steps
-  CHECK(camera.exposure_step == Duration(533'333));
+  CHECK(camera.exposure_step.count() == 533'333'333);  // ps
   for (const int steps : {0, 1, 30, 92}) {
-    require_done(control.write({.exposure = camera.exposure_min + steps * camera.exposure_step}));
+    const auto above = std::chrono::round<Duration>(steps * camera.exposure_step);
+    require_done(control.write({.exposure = camera.exposure_min + above}));
     CHECK(driver.values[V4L2_CID_EXPOSURE] == 1 + 16 * steps);
   }
 }
