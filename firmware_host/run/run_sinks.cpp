@@ -10,7 +10,11 @@ Result<SinkSet> open_sinks(const RunPlan& plan, const CameraFacts& camera, RunPa
                            Storage& storage) {
   const Settings::Output& output = plan.settings.output;
   CameraFacts filming = camera;
-  if (plan.film != nullptr) filming.framerate_hz = plan.film->framerate_hz;
+  if (plan.film != nullptr) {
+    const int eyes = plan.film->baseline > 0 ? 2 : 1;  // side by side
+    filming.framerate_hz = plan.film->framerate_hz;
+    filming.width = eyes * plan.film->width, filming.height = plan.film->height;
+  }
   return SinkSet::open(plan.sinks, output.paths,
                        {.path = "",
                         .camera = filming,

@@ -196,6 +196,10 @@ Result<void> check_video(const VideoOptions& options) {
   return {};
 }
 
+Result<void> check_video_size(const VideoOptions& options, int width_px, int height_px) {
+  return check_picture_size({.width_px = width_px, .height_px = height_px, .codec = codec_of(options)});
+}
+
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options) {
   return create_video(storage, path, framerate_hz, options, FrameLight::Radiance);

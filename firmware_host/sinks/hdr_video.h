@@ -17,6 +17,9 @@ namespace hdrcam {
 // Errors: Invalid for options that contradict each other.
 Result<void> check_video(const VideoOptions& options);
 
+// Whether the codec takes frames of this size. Errors: Unsupported.
+Result<void> check_video_size(const VideoOptions& options, int width_px, int height_px);
+
 // path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension, for options that
 // contradict each other and for a codec that such a file does not hold, Permission, NoSpace, Io; with the
 // first frame also Unsupported, where the codec refuses it; with a later one SizeChanged.

@@ -23,7 +23,10 @@ namespace {
 using Opened = Result<std::unique_ptr<FrameSink>>;
 
 Opened open_video(const SinkRequest& request) {
-  return create_hdr_video(request.storage, request.path, request.camera.framerate_hz, request.video);
+  const CameraFacts& camera = request.camera;
+  if (camera.width > 0)  // known before the first frame
+    TRY(check_video_size(request.video, camera.width, camera.height));
+  return create_hdr_video(request.storage, request.path, camera.framerate_hz, request.video);
 }
 
 Opened open_pipe(const SinkRequest& request) {

@@ -25,7 +25,7 @@ namespace hdrcam {
 struct SinkRequest {
   std::string path;  // as the user gave it: a file, a pattern for one file per frame, kStandardOutput, or an
                      // address
-  const CameraFacts& camera;
+  const CameraFacts& camera;  // of the frames; size 0: not known before the first one
   ExrLayers layers = {};
   ExrCompression compression = kUsualCompression;
   VideoOptions video = {};

@@ -22,6 +22,9 @@ namespace {
 constexpr AVRational kMicroseconds = {1, 1'000'000};
 constexpr double kFragment_s = 1;  // what a cut costs at most
 
+// FFmpeg divides pictures for x265 into blocks of 64, 32 or 16 pixels, and takes none smaller than a block.
+constexpr int kLeastSideOfHevc_px = 16;
+
 // x265 (3.5, AVX) works on its CU tree in rows of 16-pixel blocks and writes behind the end of a row of less
 // than four; twice that is safe.
 constexpr int kLeastWidthOfTree_px = 128;
@@ -137,9 +140,19 @@ PictureFormat VideoFormat::picture() const {
           .tags = tags};
 }
 
+Result<void> check_picture_size(const VideoFormat& format) {
+  const int least_px = format.codec == VideoCodec::Hevc ? kLeastSideOfHevc_px : 1;
+  if (format.coded_width_px() >= least_px && format.coded_height_px() >= least_px) return {};
+  return Error{ErrorCode::Unsupported,
+               fmt::format("{} encodes no pictures smaller than {}x{}, and these are {}x{}; choose another "
+                           "--codec",
+                           encoder_name(format), least_px, least_px, format.width_px, format.height_px)};
+}
+
 Result<std::unique_ptr<VideoWriter>> VideoWriter::create(std::unique_ptr<StorageFile> file,
                                                          StorageStream::Direction direction,
                                                          const VideoFormat& format) {
+  TRY(check_picture_size(format));
   libav::be_quiet();
   std::unique_ptr<VideoWriter> writer(new VideoWriter(std::move(file), direction));
   AVFormatContext* muxer = nullptr;

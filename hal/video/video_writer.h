@@ -47,6 +47,9 @@ struct VideoFormat {
   PictureFormat picture() const;  // of the planes to fill
 };
 
+// Errors: Unsupported where the codec takes no pictures so small, naming the least that it takes.
+Result<void> check_picture_size(const VideoFormat& format);
+
 class VideoWriter {
  public:
   // Errors: Unsupported where the FFmpeg libraries of this machine lack the codec, or the codec the size;

@@ -96,6 +96,22 @@ TEST_CASE("a sink without a path is not opened, and one that cannot be opened sa
   CHECK(refused.error().code == ErrorCode::Invalid);
 }
 
+TEST_CASE("a video of pictures smaller than its codec takes is refused before the first frame") {
+  const std::string path = sample::scratch_folder("tiny_video") + "/x.mp4";
+  const auto opened = [&](int width, int height, CodecChoice codec) {
+    CameraFacts camera;
+    camera.width = width, camera.height = height;
+    const VideoOptions video{.codec = codec};
+    const SinkRequest request{.path = "", .camera = camera, .video = video, .storage = posix_storage()};
+    return SinkSet::open(sink_kinds(), {{"frames", path}}, request, RunPace::Clip);
+  };
+  const auto refused = opened(8, 64, CodecChoice::Suitable);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Unsupported);
+  CHECK(opened(16, 16, CodecChoice::Suitable).ok());
+  CHECK(opened(8, 64, CodecChoice::Av1).ok());
+}
+
 TEST_CASE("every sink is finished, also after another one failed") {
   const std::string folder = sample::scratch_folder("sink_set_fails");
   auto sinks =

@@ -51,6 +51,20 @@ TEST_CASE("the times of frames are rounded to microseconds") {
     CHECK(video.frames[i].time_s == Approx(times[i]).epsilon(0).margin(5.1e-7));
 }
 
+TEST_CASE("pictures smaller than the codec takes are refused with the least size") {
+  const std::string folder = sample::scratch_folder("video_tiny");
+  for (const auto& [rows, cols] : {std::pair{8, 8}, {14, 64}, {64, 14}}) {
+    CAPTURE(rows, cols);
+    const std::string size = fmt::format("{}x{}", cols, rows);
+    const auto refused =
+        test::write_video(folder + "/" + size + ".mp4", VideoCodec::Hevc, moving_stripes(2, rows, cols));
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Unsupported);
+    CHECK_THAT(refused.error().message, Catch::Contains("smaller than 16x16, and these are " + size));
+  }
+  CHECK(test::write_video(folder + "/av1.mp4", VideoCodec::Av1, moving_stripes(2, 8, 8)).ok());
+}
+
 TEST_CASE("HEVC videos of narrow pictures have all their frames, and the encoder keeps to its memory") {
   const std::string folder = sample::scratch_folder("video_narrow");
   const struct { int rows, cols; } sizes[] = {{16, 16}, {34, 34}, {200, 18}, {64, 48}};
