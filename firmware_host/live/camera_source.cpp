@@ -145,6 +145,7 @@ Result<void> CameraSource::finish(RunRecord& record) {
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   if (const auto frames = session_->recording_cut_after())
     return cut_recording(end.error(), own_recording_, *frames);
+  if (takes_ && session_->last_take_failed()) return takes_->cut(end.error(), counters.in_takes);
   return end.error();
 }
 

@@ -1,6 +1,7 @@
 #include "firmware_host/live/live_session.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <system_error>
 
@@ -248,6 +249,13 @@ std::optional<std::uint64_t> LiveSession::recording_cut_after() const {
   const std::lock_guard lock(mutex_);
   if (own_ == nullptr || !own_->failed()) return std::nullopt;
   return counters_.recorded - counters_.in_takes;
+}
+
+bool LiveSession::last_take_failed() const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(std::array{recorder_, completing_}, [&](const auto& recorder) {
+    return recorder != nullptr && recorder != own_ && recorder->failed();
+  });
 }
 
 void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {

@@ -100,6 +100,8 @@ class LiveSession {
   // Once it is finished: after how many whole frames the recording that it was given failed; none where it
   // did not.
   std::optional<std::uint64_t> recording_cut_after() const;
+  // Likewise: whether the last one that a person started failed.
+  bool last_take_failed() const;
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "firmware_host/cut_recording.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -14,6 +15,11 @@ Result<Takes::Created> Takes::create(const CameraFacts& camera) {
     if (writer) return Created{path, std::move(writer).value()};
     if (writer.error().code != ErrorCode::Exists) return writer.error();
   }
+}
+
+Error Takes::cut(Error error, std::uint64_t frames) const {
+  if (started_.empty()) return error;
+  return cut_recording(std::move(error), started_.back().path, frames - started_.back().before);
 }
 
 std::string Takes::account(std::uint64_t frames) const {

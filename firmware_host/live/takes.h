@@ -33,6 +33,9 @@ class Takes {
   // Frames go into this one from now on. frames: in all takes before it, which are complete.
   void started(std::string path, std::uint64_t frames) { started_.push_back({std::move(path), frames}); }
 
+  // The error that cut the last one, with how its frames become a complete recording. frames: in all takes.
+  Error cut(Error error, std::uint64_t frames) const;
+
   // Those that were started, each with its frames, a line each. frames: in all of them.
   std::string account(std::uint64_t frames) const;
 

@@ -11,6 +11,7 @@
 
 #include "firmware_host/live/live_report.h"
 #include "hal/core/counted.h"
+#include "hal/fault/faulty_storage.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/becomes_true.h"
@@ -198,6 +199,25 @@ TEST_CASE("frames of recordings that a person starts are not said to be in that 
   CHECK(counters.in_takes >= 10);
   counters.shed = 1;
   CHECK(advice_to_keep_up(counters, settings, {}).find("all frames are recorded") == std::string::npos);
+}
+
+TEST_CASE(
+    "a recording that a person starts and a full disk cuts is said to be so, with how many frames it has") {
+  const std::string folder = sample::scratch_folder("cut_take");
+  FaultyStorage full(posix_storage(), {.space_bytes = 40'000});
+  const std::atomic<bool> stop{false};
+  const auto source = value_of(CameraSource::open(settings_of(folder), {}, full, stop));
+  require_done(source->start());
+  const std::string take = value_of(source->control()->start_recording());
+  while (value_of(source->next()) != nullptr) continue;
+  RunRecord record;
+  const Result<void> ended = source->finish(record);
+  require_error(ended, ErrorCode::NoSpace);
+  const std::uint64_t frames = source->session().counters().in_takes;
+  CHECK(frames >= 1);
+  CHECK_THAT(ended.error().message,
+             Catch::Contains(fmt::format("'{0}' is cut after {1}, of which 'hdrcam repair {0} -o FILE'", take,
+                                         counted(frames, "frame"))));
 }
 
 TEST_CASE("a recording that a person starts and stops between two frames is named, for its file is there") {

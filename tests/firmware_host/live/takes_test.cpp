@@ -26,6 +26,10 @@ TEST_CASE(
   CHECK(first.path == folder + "/01.mkv");
   CHECK(second.path == folder + "/03.mkv");
   CHECK(takes.account(6) == first.path + ": 5 frames\n" + second.path + ": 1 frame\n");
+  const Error full{ErrorCode::NoSpace, "the disk is full"};
+  CHECK(takes.cut(full, 6).message.starts_with("the disk is full; '" + second.path +
+                                               "' is cut after 1 frame,"));
+  CHECK(takes.cut(full, 5).message == full.message);  // it has none
 }
 
 TEST_CASE("a take that was not begun leaves no file, and its number is the next one's") {
