@@ -60,6 +60,7 @@ class Storage {
   virtual Result<void> rename(const std::string& from, const std::string& to,
                               Creation how = Creation::Replace) = 0;
   virtual Result<void> remove(const std::string& path) = 0;
+  // With those above it; the names of new ones survive a power cut (sync_name).
   virtual Result<void> make_directories(const std::string& path) = 0;
   virtual Result<FileFacts> look_at(const std::string& path) = 0;  // Permission, Io
 };

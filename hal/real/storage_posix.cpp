@@ -5,12 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "hal/descriptor.h"
 #include "hal/standard_output.h"
@@ -87,6 +89,18 @@ std::filesystem::path end_of_links(std::filesystem::path path) {
   for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, ignored); ++i)
     path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
   return path;
+}
+
+// Of a folder and those above it the ones that are not there, from the outermost on.
+std::vector<std::string> missing_folders(const std::string& path) {
+  std::vector<std::string> missing;
+  std::error_code ignored;
+  for (std::filesystem::path folder = std::filesystem::absolute(path, ignored);
+       folder.has_relative_path() && !std::filesystem::exists(folder, ignored) && !ignored;
+       folder = folder.parent_path())
+    missing.push_back(folder.string());
+  std::ranges::reverse(missing);
+  return missing;
 }
 
 class PosixFile : public StorageFile {
@@ -213,9 +227,11 @@ class PosixStorage : public Storage {
     return {};
   }
   Result<void> make_directories(const std::string& path) override {
+    const std::vector<std::string> missing = missing_folders(path);
     std::error_code code;
     std::filesystem::create_directories(path, code);
     if (code) return error_of(code.value(), "create the folder", path);
+    for (const std::string& folder : missing) TRY(sync_name(*this, folder));
     return {};
   }
   Result<FileFacts> look_at(const std::string& path) override {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -10,8 +11,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "hal/standard_output.h"
 #include "hal/storage.h"
@@ -22,14 +25,21 @@
 namespace {
 
 thread_local bool sets_no_permissions = false;  // as a file system does whose files are all somebody else's
+thread_local std::vector<std::string>* synced = nullptr;  // where the files go that are synced
 
 }  // namespace
 
-// Takes the place of the C library's.
+// They take the place of the C library's.
 extern "C" int chmod(const char* path, mode_t mode) noexcept {
   if (!sets_no_permissions) return ::fchmodat(AT_FDCWD, path, mode, 0);
   errno = EPERM;
   return -1;
+}
+
+extern "C" int fdatasync(int fd) {
+  if (synced != nullptr)
+    synced->push_back(std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", fd)).string());
+  return static_cast<int>(::syscall(SYS_fdatasync, fd));
 }
 
 namespace hdrcam {
@@ -124,6 +134,19 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
   const auto created = posix_storage().create("/proc/s.json", Creation::New);
   require_error(created, ErrorCode::Permission);
   CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
+}
+
+TEST_CASE("the names of new folders are on the disk, as those of files are") {
+  const ScratchFolder folder;
+  const std::string real = fs::canonical(folder.name).string();
+  std::vector<std::string> folders;
+  synced = &folders;
+  const Result<void> made = posix_storage().make_directories(folder / "a/b/c");
+  const Result<void> again = posix_storage().make_directories(folder / "a/b/c");
+  synced = nullptr;
+  require_done(made);
+  require_done(again);
+  CHECK(folders == std::vector<std::string>{real, real + "/a", real + "/a/b"});
 }
 
 TEST_CASE("where the current folder was removed it is that which is told, not that the output is missing") {
