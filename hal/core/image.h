@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <span>
@@ -62,13 +63,16 @@ class Image {
   std::span<const T> samples() const { return {data_.get(), size()}; }
 
   // Changes the shape; the content is undefined afterwards, but stays where the shape does. Allocates only
-  // when the picture is larger than ever before.
+  // when the picture is larger than ever before. Throws std::bad_alloc where there is no memory for it, also
+  // where no memory could be so large; the picture stays as it was.
   void reshape(int channels, int rows, int cols) {
     HDRCAM_CHECK(channels >= 0 && rows >= 0 && cols >= 0);
+    const std::size_t samples = samples_of(channels, rows, cols);
+    if (samples > capacity_) {
+      data_.reset(static_cast<T*>(::operator new(samples * sizeof(T), kAlignment)));
+      capacity_ = samples;
+    }
     channels_ = channels, rows_ = rows, cols_ = cols;
-    if (size() <= capacity_) return;
-    capacity_ = size();
-    data_.reset(static_cast<T*>(::operator new(capacity_ * sizeof(T), kAlignment)));
   }
   void reshape_like(const Image& other) { reshape(other.channels_, other.rows_, other.cols_); }
   void fill(T value) { std::fill_n(data_.get(), size(), value); }
@@ -84,6 +88,14 @@ class Image {
 
  private:
   static constexpr std::align_val_t kAlignment{64};
+
+  static std::size_t samples_of(int channels, int rows, int cols) {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(T);
+    const std::uint64_t pixels = pixel_count(rows, cols), planes = static_cast<std::uint64_t>(channels);
+    if (planes > 0 && pixels > kMost / planes) throw std::bad_array_new_length();
+    return static_cast<std::size_t>(pixels * planes);
+  }
+
   struct Free {
     void operator()(T* p) const { ::operator delete(p, kAlignment); }
   };

@@ -1,6 +1,8 @@
 #include "hal/core/image.h"
 
 #include <cstdint>
+#include <limits>
+#include <new>
 #include <utility>
 
 #include <catch2/catch.hpp>
@@ -34,6 +36,21 @@ TEST_CASE("a picture keeps its memory while it becomes smaller and larger again"
   CHECK(picture.size() == 6);
   picture.reshape(3, 8, 9);
   CHECK(picture.plane(0) == memory);
+}
+
+TEST_CASE("a picture that no memory holds is refused like one for which there is none, and stays as it was") {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  Image<float> picture(3, 8, 9);
+  picture.at(2, 7, 8) = 5;
+  // of the first the samples, of the second their bytes are more than 64 bits count
+  CHECK_THROWS_AS(picture.reshape(8, kMost, kMost), std::bad_alloc);
+  CHECK_THROWS_AS(picture.reshape(3, kMost, kMost), std::bad_alloc);
+  CHECK_THROWS_AS(Image<double>(1, kMost, 1 << 30), std::bad_alloc);
+  CHECK(picture.size() == 3 * 8 * 9);
+  CHECK(picture.at(2, 7, 8) == 5);
+  picture.reshape(3, 8, 10);
+  picture.fill(1);
+  CHECK(picture.at(2, 7, 9) == 1);
 }
 
 TEST_CASE("rows of a picture lie one after the other, plane after plane, from a boundary of 64 bytes on") {
