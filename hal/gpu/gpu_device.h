@@ -77,6 +77,12 @@ struct GpuStepTime {
 };
 using GpuStepTimes = std::map<std::string, GpuStepTime>;
 
+// What GpuWork::upload() takes of numbers that lie one after the other: a vector, an array, a span.
+template <class Numbers>
+std::span<const std::byte> bytes_of_numbers(const Numbers& numbers) {
+  return std::as_bytes(std::span(numbers));
+}
+
 // A list of steps, each of which sees what those before it have done. Nothing happens before finish().
 class GpuWork {
  public:

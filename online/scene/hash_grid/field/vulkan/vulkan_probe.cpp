@@ -82,10 +82,9 @@ Result<void> VulkanProbe::reserve_for(const RadianceField& field, int ld) {
 
 void VulkanProbe::upload(const Branch<float>& branch, const BranchRoom& room) {
   GpuWork& work = device_.work();
-  work.upload(std::as_bytes(branch.grid.tables().samples()), *room.tables.buffer);
-  work.upload(std::as_bytes(std::span<const std::uint32_t>(words_of(branch.grid))), *room.levels.buffer);
-  work.upload(std::as_bytes(std::span<const float>(tiled(branch.mlp, branch.mlp.parameters()))),
-              *room.parameters.buffer);
+  work.upload(bytes_of_numbers(branch.grid.tables().samples()), *room.tables.buffer);
+  work.upload(bytes_of_numbers(words_of(branch.grid)), *room.levels.buffer);
+  work.upload(bytes_of_numbers(tiled(branch.mlp, branch.mlp.parameters())), *room.parameters.buffer);
 }
 
 void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
@@ -98,8 +97,8 @@ void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
         has_next ? &window.frame(view.frame + 1).T_anchor_camera : &view.T_anchor_camera,
         has_previous ? &window.frame(view.frame - 1).T_anchor_camera : &view.T_anchor_camera})
     append_view(window.frustum(), *T_anchor_camera, views);
-  device_.work().upload(std::as_bytes(std::span(views)), *views_.buffer);
-  device_.work().upload(std::as_bytes(frame.base.samples()), *base_.buffer);
+  device_.work().upload(bytes_of_numbers(views), *views_.buffer);
+  device_.work().upload(bytes_of_numbers(frame.base.samples()), *base_.buffer);
   upload(field.networks.static_, static_);
   upload(field.networks.dynamic, dynamic_);
 }
@@ -139,7 +138,7 @@ Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeV
                       field.networks.blend == Blend::Weight ? 1 : 0};
   flow_units(frustum, constants.unit);
   static_assert(sizeof(ProbeRay) == 3 * sizeof(float));
-  work.upload(std::as_bytes(rays), *rays_.buffer);
+  work.upload(bytes_of_numbers(rays), *rays_.buffer);
   work.run(*kernels_[kPlace], {*rays_, *views_, *base_, *placed_}, constants, {count, 1, 1});
   forward(field.networks.static_, 0, placed_, samples, samples, static_);
   const GpuRoom* position = &placed_;

@@ -7,8 +7,6 @@ namespace {
 
 constexpr std::size_t kBytes = sizeof(float);
 
-std::span<const std::byte> bytes_of(std::span<const float> values) { return std::as_bytes(values); }
-
 }  // namespace
 
 int GpuBranch::per_chunk(int samples) {
@@ -51,13 +49,13 @@ Result<void> GpuBranch::reserve(GpuDevice& device, int ld) {
 
 void GpuBranch::upload(GpuWork& work, const OptimisedBranch& from) const {
   const Branch<float>& branch = from.branch;
-  work.upload(std::as_bytes(std::span<const std::uint32_t>(words_of(branch.grid))), **lattice);
-  work.upload(bytes_of(branch.grid.tables().samples()), **tables);
-  work.upload(bytes_of(from.table_mean.samples()), **table_mean);
-  work.upload(bytes_of(from.table_variance.samples()), **table_variance);
-  work.upload(bytes_of(tiled(branch.mlp, branch.mlp.parameters())), **network);
-  work.upload(bytes_of(tiled(branch.mlp, from.network.mean)), **network_mean);
-  work.upload(bytes_of(tiled(branch.mlp, from.network.variance)), **network_variance);
+  work.upload(bytes_of_numbers(words_of(branch.grid)), **lattice);
+  work.upload(bytes_of_numbers(branch.grid.tables().samples()), **tables);
+  work.upload(bytes_of_numbers(from.table_mean.samples()), **table_mean);
+  work.upload(bytes_of_numbers(from.table_variance.samples()), **table_variance);
+  work.upload(bytes_of_numbers(tiled(branch.mlp, branch.mlp.parameters())), **network);
+  work.upload(bytes_of_numbers(tiled(branch.mlp, from.network.mean)), **network_mean);
+  work.upload(bytes_of_numbers(tiled(branch.mlp, from.network.variance)), **network_variance);
   work.clear(**d_tables);
 }
 

@@ -14,10 +14,6 @@ enum SeenOfRay : int { kRadiance = 0, kLanding = 3, kDepth = 5, kShare = 6, kVis
 enum SeenOfSample : int { kWeight = 0, kFlow = 1, kOcclusion = 7, kFlowBack = 8 };
 enum PlacedPlane : int { kSlot = 3, kInverseDepth = 4, kSpacing = 5 };
 
-std::span<const std::byte> bytes_of(const std::vector<float>& values) {
-  return std::as_bytes(std::span(values));
-}
-
 }  // namespace
 
 Result<void> GpuRays::reserve(GpuDevice& device, const WindowFrames& window, int rays, int samples) {
@@ -44,8 +40,8 @@ void GpuRays::upload_window(GpuWork& work, const WindowFrames& window) {
     append_view(window.frustum(), frame.T_anchor_camera, cameras);
     bases_.insert(bases_.end(), frame.base.samples().begin(), frame.base.samples().end());
   }
-  work.upload(bytes_of(cameras), **views);
-  work.upload(std::as_bytes(std::span(bases_)), **bases);
+  work.upload(bytes_of_numbers(cameras), **views);
+  work.upload(bytes_of_numbers(bases_), **bases);
 }
 
 void GpuRays::begin(const StepSetting<float>& step, std::size_t rays) {
@@ -83,15 +79,15 @@ void GpuRays::place(const StepSetting<float>& step, std::span<const TrainingRay>
 }
 
 void GpuRays::upload_placed(GpuWork& work) const {
-  work.upload(bytes_of(told_), **told);
-  work.upload(bytes_of(placed_), **placed);
+  work.upload(bytes_of_numbers(told_), **told);
+  work.upload(bytes_of_numbers(placed_), **placed);
 }
 
 void GpuRays::download_seen(GpuWork& work) {
   work.download(**seen, std::as_writable_bytes(std::span(seen_)));
 }
 
-void GpuRays::upload_d_seen(GpuWork& work) const { work.upload(bytes_of(d_seen_), **d_seen); }
+void GpuRays::upload_d_seen(GpuWork& work) const { work.upload(bytes_of_numbers(d_seen_), **d_seen); }
 
 void GpuRays::unpack(const TrainingRay& target, std::size_t r, RaySamples<float>& ray,
                      RayPicture<float>& picture, RayTrace<float>& trace) {
