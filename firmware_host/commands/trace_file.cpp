@@ -12,7 +12,9 @@ Result<void> TraceFile::write_after(const Result<void>& run, Storage& storage) c
     remark("note: the trace is full; its last {} spans are left out\n", left_out);
   const std::string json = trace_->json();
   const Result<void> written = write_whole(storage, path_, std::as_bytes(std::span(json)));
-  return run ? written : run;
+  if (run) return written;
+  if (!written) remark("warning: {}\n", written.error().message);
+  return run;
 }
 
 }  // namespace hdrcam

@@ -17,7 +17,8 @@ class TraceFile {
   }
 
   Trace* trace() { return trace_ ? &*trace_ : nullptr; }  // null where none is wanted
-  // After the run's threads have ended. Returns the error of the run, if it had one, else that of the disk.
+  // After the run's threads have ended. Returns the error of the run, if it had one, else that of the disk;
+  // of two the second is a warning.
   Result<void> write_after(const Result<void>& run, Storage& storage) const;
 
  private:

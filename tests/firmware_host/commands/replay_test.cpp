@@ -339,6 +339,18 @@ TEST_CASE("what cannot be is said in one sentence, with an exit code of its own"
   expect(10, "file", {"replay", clip, "-o", folder + "/file/%06d.exr"});
 }
 
+TEST_CASE("where a run fails and its trace cannot be written either, both are told") {
+  const std::string folder = sample::scratch_folder("trace_unwritten"), clip = write_clip(folder, 8);
+  fs::resize_file(clip, fs::file_size(clip) * 6 / 10);
+  const test::Ran outcome =
+      test::ran(std::vector<std::string>{"replay", clip, "--preset", "fast", "--emit", "state", "--trace",
+                                         "/dev/full", "-o", folder + "/out/%06d.exr"});
+  INFO(outcome.output);
+  CHECK(outcome.exit_code == 5);
+  CHECK(outcome.output.find("warning: no space left to write '/dev/full'") != std::string::npos);
+  CHECK(outcome.output.find("hdrcam: '" + clip + "' was cut after ") != std::string::npos);
+}
+
 TEST_CASE("a recording that was cut gives the frames before the cut and exit code 5") {
   const std::string folder = sample::scratch_folder("replay_cut"), clip = write_clip(folder, 8);
   fs::resize_file(clip, fs::file_size(clip) * 6 / 10);
