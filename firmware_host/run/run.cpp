@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <future>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "firmware_host/film/scene_keeper.h"
@@ -19,6 +21,7 @@
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_name.h"
+#include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -29,11 +32,19 @@
 namespace hdrcam {
 namespace {
 
+// What a run tells of its end, beside its first error.
+struct RunEnding {
+  std::string where;           // a list of the outputs
+  std::optional<Error> other;  // of the source's end, such as a recording that was cut
+};
+
 // If the stream ended early, that error explains why it is too short.
-Result<void> first_cause(Result<void> worked, Result<void> ended) {
+Result<void> first_cause(Result<void> worked, Result<void> ended, RunEnding& told) {
   const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
-  if (!worked && !(too_short && !ended)) return worked;
-  return ended;
+  if (worked || (too_short && !ended)) return ended;
+  const bool stopped = !ended && ended.error().code == ErrorCode::Interrupted;  // says no more than the other
+  if (!ended && !stopped && ended.error().message != worked.error().message) told.other = ended.error();
+  return worked;
 }
 
 std::optional<double> loss_of(const FrameRecord& record) {
@@ -53,14 +64,13 @@ class Run {
   Run(const RunPlan& plan, const std::optional<ChannelGains>& white_balance, FrameSource& source,
       Storage& storage, SharedProgress& progress);
 
-  // where: a list of the outputs, for the user.
-  Result<void> to_end(std::string& where);
+  Result<void> to_end(RunEnding& told);
 
  private:
   Result<void> open_outputs();
   void open_governor();
   Result<void> take_frames();
-  Result<void> conclude(Result<void> worked, Stopwatch wall);
+  Result<void> conclude(Result<void> worked, Stopwatch wall, RunEnding& told);
   Result<void> save_scene();
 
   Result<void> deliver(HdrFrame& hdr, const FrameEstimate& estimate, const FrameRecord& made);
@@ -135,7 +145,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& white_balance, 
     scene_.emplace(options_.knobs.hash_grid.window.frames, pool_);  // what the field knows of
 }
 
-Result<void> Run::to_end(std::string& where) {
+Result<void> Run::to_end(RunEnding& told) {
   TRY(open_outputs());
   open_governor();
   if (const auto limits = source_.exposure_limits()) choice_.emplace(*limits, options_.knobs.state);
@@ -143,8 +153,8 @@ Result<void> Run::to_end(std::string& where) {
   Stopwatch wall;
   TRY(source_.start());
   const Result<void> worked = fed_by([this] { return take_frames(); }, sinks_);
-  Result<void> ended = conclude(worked, wall);
-  where = sinks_.whole_outputs(storage_) + saved_;
+  Result<void> ended = conclude(worked, wall, told);
+  told.where = sinks_.whole_outputs(storage_) + saved_;
   if (plan_.record != nullptr) *plan_.record = std::move(record_);
   return ended;
 }
@@ -254,7 +264,7 @@ Backlog Run::backlog() const {
 }
 
 // The end: completes the files, then writes the outputs about the whole run.
-Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
+Result<void> Run::conclude(Result<void> worked, Stopwatch wall, RunEnding& told) {
   if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
   if (!backend_.note.empty()) record_.notes.push_back(backend_.note);
   if (governor_) add_deadline(*governor_, record_);
@@ -268,7 +278,7 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   if (worked && ended) worked = add_scores(plan_, earlier_, storage_, record_);
   record_.sinks = sinks_.times();
   if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
-  return first_cause(std::move(worked), ended);
+  return first_cause(std::move(worked), ended, told);
 }
 
 Result<void> Run::save_scene() {
@@ -281,15 +291,15 @@ Result<void> Run::save_scene() {
   return {};
 }
 
-// What the settings rule out is found before the run is built. where: as of Run::to_end.
+// What the settings rule out is found before the run is built.
 Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
-                        std::string& where) {
+                        RunEnding& told) {
   TRY(check_needs(plan.settings));
   TRY(check_readout(plan.settings.fit, source.camera()));
   const std::optional<ChannelGains> white_balance =
       TRY(white_balance_of(plan.settings.output, source.camera()));
   Run run(plan, white_balance, source, storage, progress);
-  return run.to_end(where);
+  return run.to_end(told);
 }
 
 }  // namespace
@@ -297,16 +307,17 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
 Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   SharedProgress progress(plan.film != nullptr ? plan.film->frames : source.frame_count());
   const std::vector<EarlierFrames> earlier = earlier_frames(storage, plan.sinks, plan.settings.output.paths);
-  std::string where;
+  RunEnding told;
   std::future<Result<void>> work = std::async(std::launch::async, [&] {
     name_this_thread("fit");
     if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
     flush_denormals();
-    return run_to_end(plan, source, storage, progress, where);
+    return run_to_end(plan, source, storage, progress, told);
   });
   if (plan.progress != nullptr) show_progress(plan.progress, source, progress, work);
   Result<void> ended = work.get();
-  tell_of_outputs(plan, earlier, where);
+  tell_of_outputs(plan, earlier, told.where);
+  if (told.other) remark("warning: {}\n", told.other->message);
   return ended;
 }
 

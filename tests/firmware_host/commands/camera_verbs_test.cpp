@@ -151,6 +151,23 @@ TEST_CASE("a recording of a camera that a full disk cuts is said to be so, with 
   }
 }
 
+TEST_CASE("a recording that is cut is told of where another output finds no room either") {
+  const std::string path = sample::scratch_folder("live_full") + "/raw.mkv";
+  const test::Ran run = test::ran(
+      "live --preset fast --emit state --camera 'sim:still?size=64x48&fps=200' --format RGB24 "
+      "--shutter 1ms,4ms --frames 600 --stats /dev/full --record " +
+          path,
+      "trap '' XFSZ; ulimit -f 100;");  // no file grows beyond so many blocks
+  const auto frames = static_cast<int>(frames_in(path).size());
+  CAPTURE(run.output, frames);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::NoSpace));
+  CHECK(frames >= 1);
+  CHECK_THAT(run.output, Catch::Contains("hdrcam: no space left to write '/dev/full'"));
+  CHECK_THAT(run.output,
+             Catch::Contains(fmt::format("'{0}' is cut after {1}, of which 'hdrcam repair {0} -o FILE'", path,
+                                         counted(frames, "frame"))));
+}
+
 TEST_CASE(
     "a damaged frame of a recording that stands in for the camera is not counted among those that came") {
   const std::string folder = sample::scratch_folder("live_damaged"), walk = folder + "/walk.mkv";
