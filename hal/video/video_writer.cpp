@@ -179,6 +179,8 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
   const NominalRate rate = nominal_rate(format.framerate_hz);
   encoder.framerate = {rate.numerator, rate.denominator};
   encoder.time_base = av_inv_q(encoder.framerate);  // of the encoder: pictures are numbered
+  if (format.codec == VideoCodec::Av1 && encoder.time_base.num > encoder.time_base.den)
+    encoder.time_base = {1, 1};  // libaom takes no longer unit
   encoder.gop_size = std::max(1, static_cast<int>(std::lround(format.framerate_hz * kFragment_s)));
   encoder.color_primaries = static_cast<AVColorPrimaries>(format.tags.primaries);
   encoder.color_trc = static_cast<AVColorTransferCharacteristic>(format.tags.transfer);
@@ -281,7 +283,7 @@ Result<void> VideoWriter::write_packets() {
     while (first_inside_ < packet->pts && times_us_.size() > 1) times_us_.pop_front(), ++first_inside_;
     if (!numbered) {
       packet->pts = packet->dts = av_rescale_q(times_us_.front(), kMicroseconds, stream.time_base);
-      packet->duration = av_rescale_q(1, encoder_->time_base, stream.time_base);
+      packet->duration = av_rescale_q(1, av_inv_q(encoder_->framerate), stream.time_base);
     }
     packet->stream_index = 0;
     TRY(checked(av_write_frame(muxer_.get(), packet), "write a frame"));

@@ -51,6 +51,20 @@ TEST_CASE("the times of frames are rounded to microseconds") {
     CHECK(video.frames[i].time_s == Approx(times[i]).epsilon(0).margin(5.1e-7));
 }
 
+TEST_CASE("videos of less than a frame a second have their times, whatever the codec") {
+  const std::string folder = sample::scratch_folder("video_slow");
+  for (const VideoCodec codec : {VideoCodec::Hevc, VideoCodec::Av1, VideoCodec::H264})
+    for (const double framerate_hz : {0.5, 0.1}) {
+      CAPTURE(static_cast<int>(codec), framerate_hz);
+      const std::string path = folder + "/x.mp4";
+      REQUIRE(test::write_video(path, codec, moving_stripes(4, 64, 64), {}, framerate_hz).ok());
+      const test::DecodedVideo video = test::decoded_video(path);
+      REQUIRE(video.frames.size() == 4);
+      for (std::size_t i = 0; i < video.frames.size(); ++i)
+        CHECK(video.frames[i].time_s == Approx(static_cast<double>(i) / framerate_hz).margin(1e-5));
+    }
+}
+
 TEST_CASE("pictures smaller than the codec takes are refused with the least size") {
   const std::string folder = sample::scratch_folder("video_tiny");
   for (const auto& [rows, cols] : {std::pair{8, 8}, {14, 64}, {64, 14}}) {
