@@ -3,11 +3,13 @@
 // Reentrant.
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace hdrcam {
@@ -55,6 +57,19 @@ std::optional<std::string> repeated_key(std::string_view text) {
   };
   if (Json::parse(text, look, false).is_discarded()) return std::nullopt;
   return repeated;
+}
+
+// A whole number that T holds; nullopt for any other value. The library would cut 1.5 and convert 1e99. Json:
+// as below.
+template <class T, class Json>
+std::optional<T> whole_number(const Json& value) {
+  if (value.is_number_unsigned()) {
+    const auto number = value.template get<std::uint64_t>();
+    return std::in_range<T>(number) ? std::optional(static_cast<T>(number)) : std::nullopt;
+  }
+  if (!value.is_number_integer()) return std::nullopt;
+  const auto number = value.template get<std::int64_t>();
+  return std::in_range<T>(number) ? std::optional(static_cast<T>(number)) : std::nullopt;
 }
 
 // What is wrong, of an exception of the library: its message without its own number and position.

@@ -107,13 +107,8 @@ class Fields {
   template <class T>
   Result<T> integer(const char* key, std::optional<T> otherwise = std::nullopt) const {
     if (!has(key) && otherwise) return *otherwise;
-    if (has(key) && object_.at(key).is_number_integer()) {
-      const Json& value = object_.at(key);
-      if (value.is_number_unsigned() && std::in_range<T>(value.get<std::uint64_t>()))
-        return static_cast<T>(value.get<std::uint64_t>());
-      if (!value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
-        return static_cast<T>(value.get<std::int64_t>());
-    }
+    if (has(key))
+      if (const auto number = whole_number<T>(object_.at(key))) return *number;
     return wrong(key, fmt::format("a whole number, {}..{}, is needed", std::numeric_limits<T>::min(),
                                   std::numeric_limits<T>::max()));
   }

@@ -25,13 +25,9 @@ double number(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
-// A whole number that T holds; the library would also convert 1e99.
 template <class T>
 T whole(const Json& value) {
-  if (value.is_number_unsigned() && std::in_range<T>(value.get<std::uint64_t>()))
-    return static_cast<T>(value.get<std::uint64_t>());
-  if (value.is_number_integer() && !value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
-    return static_cast<T>(value.get<std::int64_t>());
+  if (const auto number = whole_number<T>(value)) return *number;
   throw std::out_of_range(json_text(value) + " where a whole number within its range is needed");
 }
 

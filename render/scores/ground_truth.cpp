@@ -98,13 +98,22 @@ Result<void> GroundTruth::read_facts() {
                              folder_, truth_path)};
   if (!truth) return truth.error();
   try {
-    cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
+    const nlohmann::json &width = clip.value().at("width"), &height = clip.value().at("height");
+    const auto cols = whole_number<int>(width), rows = whole_number<int>(height);
+    if (!cols || !rows)
+      return Error{ErrorCode::Corrupt, fmt::format("'{}' states {}x{} pixels; whole numbers are needed",
+                                                   clip_path, json_text(width), json_text(height))};
+    cols_ = *cols, rows_ = *rows;
     for (const auto& frame : clip.value().at("frames")) {
       const std::string which = fmt::format("frame {} of '{}'", frames(), clip_path);
-      if (const auto stated = frame.find("sequence"); stated != frame.end() && stated->get<double>() < 0)
+      const auto stated = frame.find("sequence");
+      const auto number = stated == frame.end() ? std::optional(static_cast<std::uint64_t>(frames()))
+                                                : whole_number<std::uint64_t>(*stated);
+      if (!number)
         return Error{ErrorCode::Corrupt,
-                     fmt::format("{} states sequence {}; it must be 0 or above", which, stated->dump())};
-      numbers_.push_back(frame.value("sequence", static_cast<std::uint64_t>(frames())));
+                     fmt::format("{} states sequence {}; it must be a whole number, 0 or above", which,
+                                 json_text(*stated))};
+      numbers_.push_back(*number);
       exposures_.push_back(TRY(exposure_of(frame, which)));
     }
     novel_cameras_ = novel_cameras_of(truth.value(), numbers_.size());

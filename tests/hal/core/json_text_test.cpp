@@ -1,5 +1,6 @@
 #include "hal/core/json_text.h"
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include <catch2/catch.hpp>
@@ -22,6 +23,18 @@ TEST_CASE("JSON that nests deeper than the stack allows is not read, brackets in
   std::string in_turn = "[";
   for (int i = 0; i < 200; ++i) in_turn += "[],";
   CHECK_FALSE(nests_too_deep(in_turn + "0]"));
+}
+
+TEST_CASE("a whole number is one that its type holds, and nothing else") {
+  CHECK(whole_number<int>(json(-5)) == -5);
+  CHECK(whole_number<int>(json::parse("2147483647")) == 2147483647);
+  CHECK(whole_number<std::uint64_t>(json::parse("18446744073709551615")) == UINT64_MAX);
+  for (const char* no_int : {"2147483648", "-2147483649", "18446744073709551615", "1.5", "3.0", "1e99",
+                             "true", "null", "\"3\"", "[3]"}) {
+    CAPTURE(no_int);
+    CHECK_FALSE(whole_number<int>(json::parse(no_int)).has_value());
+  }
+  CHECK_FALSE(whole_number<std::uint64_t>(json(-1)).has_value());
 }
 
 TEST_CASE("what is no JSON is discarded") {

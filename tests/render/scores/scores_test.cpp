@@ -355,6 +355,20 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
     REQUIRE(wrong.code == ErrorCode::Corrupt);
     REQUIRE(mentions(wrong, "key 'height' not found"));
     REQUIRE_FALSE(mentions(wrong, "json.exception"));
+    for (const char* width : {"4294967344", "48.5", "1e99", "\"48\""}) {  // the first is 48 in 32 bits
+      std::ofstream(clip / "clip.json") << R"({"width": )" << width << R"(, "height": 36, "frames": []})";
+      const Error cut = error_of(clip.path(), out);
+      CAPTURE(cut.message);
+      REQUIRE(cut.code == ErrorCode::Corrupt);
+      REQUIRE(mentions(cut, fmt::format("states {}x36 pixels", nlohmann::json::parse(width).dump())));
+    }
+    for (const char* sequence : {"-1", "2.5", "1e99"}) {
+      std::ofstream(clip / "clip.json")
+          << R"({"width": 48, "height": 36, "frames": [{"exposure_s": 0.01, "sequence": )" << sequence
+          << "}]}";
+      REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
+      REQUIRE(mentions(error_of(clip.path(), out), "frame 0 of '" + clip / "clip.json' states sequence "));
+    }
     std::ofstream(clip / "clip.json") << "frames";
     REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
   }
