@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hal/core/counted.h"
@@ -93,7 +92,7 @@ class Fields {
   bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
   // What the field is, for a message.
   std::string shown(const char* key) const {
-    return has(key) ? "is " + shown_value(object_.at(key)) : "missing";
+    return has(key) ? "is " + shown_value(object_.at(key)) : "is missing";
   }
   Error wrong(const char* key, std::string_view expected, ErrorCode code = ErrorCode::Invalid) const {
     return {code, fmt::format("{}: '{}' {}; {}", where_, key, shown(key), expected)};
@@ -107,10 +106,9 @@ class Fields {
   template <class T>
   Result<T> integer(const char* key, std::optional<T> otherwise = std::nullopt) const {
     if (!has(key) && otherwise) return *otherwise;
-    if (has(key))
-      if (const auto number = whole_number<T>(object_.at(key))) return *number;
-    return wrong(key, fmt::format("a whole number, {}..{}, is needed", std::numeric_limits<T>::min(),
-                                  std::numeric_limits<T>::max()));
+    if (!has(key) || !object_.at(key).is_number_integer()) return wrong(key, "a whole number is needed");
+    if (const auto number = whole_number<T>(object_.at(key))) return *number;
+    return wrong(key, "it is out of range");
   }
   // A factor of the exposure: positive and finite; 0 where the frame says that it is unknown.
   Result<double> exposure_factor(const char* key, ExposureSource source,

@@ -98,7 +98,7 @@ TEST_CASE("an exposure that is missing or cannot be is refused by its frame, fil
     CHECK(error.code == ErrorCode::BadExposure);
     CHECK(says(error, {"clip.json", "frame 1", "'1.png'", shown}));
   };
-  refused("", "'exposure_s' missing");
+  refused("", "'exposure_s' is missing");
   refused(R"(,"exposure_s":0)", "'exposure_s' is 0");
   refused(R"(,"exposure_s":-0.004)", "'exposure_s' is -0.004");
   refused(R"(,"exposure_s":NaN)", "'exposure_s' is NaN");
@@ -253,21 +253,23 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","later":{"a":[{},{"b":1,"b":1}]}},{}]})",
           {"clip.json", "'b' twice"});
   refused("{\"frames\":[1e999]}", {"clip.json' is not usable", "1e999"});
-  refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' missing"});
-  refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' missing"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' is missing"});
+  refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' is missing; a whole number is needed"});
   refused(R"({"width":0,"height":4,"fps":30,"bits":8)" + frames, {"'width' is 0"});
-  refused(R"({"width":6.5,"height":4,"fps":30,"bits":8)" + frames, {"'width' is 6.5"});
-  refused(R"({"width":6,"height":99999999999,"fps":30,"bits":8)" + frames, {"'height' is 99999999999"});
+  refused(R"({"width":6.5,"height":4,"fps":30,"bits":8)" + frames,
+          {"'width' is 6.5; a whole number is needed"});
+  refused(R"({"width":6,"height":99999999999,"fps":30,"bits":8)" + frames,
+          {"'height' is 99999999999; it is out of range"});
   refused(R"({"width":6,"height":4,"fps":0,"bits":8)" + frames, {"'fps' is 0"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":17)" + frames, {"'bits' is 17"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8,"layout":"xyz")" + frames, {"'layout' is \"xyz\""});
-  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"fx":3)" + frames, {"'fy' missing"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"fx":3)" + frames, {"'fy' is missing"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8,"response":[[1],[2],[3]])" + frames,
           {"response", "256"});
-  refused("{" + std::string(kHead) + R"(,"frames":[{"time_s":0},{}]})", {"frame 0", "'file' missing"});
-  refused("{" + std::string(kHead) + R"(,"frames":[3,4]})", {"frame 0", "'file' missing"});
+  refused("{" + std::string(kHead) + R"(,"frames":[{"time_s":0},{}]})", {"frame 0", "'file' is missing"});
+  refused("{" + std::string(kHead) + R"(,"frames":[3,4]})", {"frame 0", "'file' is missing"});
   refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1},{}]})",
-          {"frame 0", "'time_s' missing"});
+          {"frame 0", "'time_s' is missing"});
   refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1,"time_s":1e300},{}]})",
           {"'time_s' is 1e+300"});
   refused(
