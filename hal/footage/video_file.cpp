@@ -423,7 +423,10 @@ Result<bool> VideoFile::next(RawFrame& frame) {
     return false;
   }
   if (is_interlaced(*frame_, decoder_->codec_id))
-    return refused(ErrorCode::Unsupported, "is interlaced; make whole frames of it first: ffmpeg -vf bwdif");
+    return refused(
+        ErrorCode::Unsupported,
+        "is interlaced; make whole frames of it first, each from its own fields, as its neighbours "
+        "have other exposures: ffmpeg -vf estdif=mode=frame");
   if (!codes_.begun())
     TRY(begin_codes());
   else if (!codes_.is_like_first(*frame_))

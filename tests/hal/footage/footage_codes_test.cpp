@@ -190,6 +190,17 @@ TEST_CASE("PNG pictures keep every code, eight or sixteen bits, colour or grey")
   }
 }
 
+TEST_CASE("interlaced video is refused with a filter that neither doubles its frames nor mixes exposures") {
+  const std::string path = sample::scratch_folder("footage_interlaced") + "/x.y4m";
+  std::ofstream(path, std::ios::binary) << "YUV4MPEG2 W16 H16 F30:1 It A1:1 Cmono\nFRAME\n"
+                                        << std::string(std::size_t{16} * 16, '\x80');
+  const ReadFootage refused = read_footage({path});
+  REQUIRE(refused.error);
+  CHECK(refused.error->code == ErrorCode::Unsupported);
+  CHECK_THAT(refused.error->message,
+             Contains("'" + path + "' is interlaced") && Contains("ffmpeg -vf estdif=mode=frame"));
+}
+
 TEST_CASE("a PNG that is stored in the order of Adam7 is no interlaced video") {
   const std::string path = sample::scratch_folder("footage_adam7") + "/a.png";
   write_interlaced_png(path, patches(1, 33, 47));
