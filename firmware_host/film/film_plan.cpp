@@ -127,6 +127,17 @@ Result<SceneLength> baseline_of(const FilmOptions& options) {
       fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
 }
 
+// At a frozen moment only the blur of a photograph depends on the speed.
+Result<void> plan_speed(const FilmOptions& options, FilmPlan& plan) {
+  TRY(check_number("--speed", options.speed, 0.001, 1000));
+  plan.speed = options.speed;
+  if (!plan.frozen || plan.speed == 1 || (!plan.view.is_path() && options.shutter_deg > 0)) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("--time {} freezes a moment, so that --speed changes nothing; leave out --speed, "
+                           "or show a part, such as --time 0.2..0.8",
+                           options.time)};
+}
+
 // Whether there is a field: in the snapshot, or in the run on the recording.
 Result<void> check_depth_is_known(const FilmedRecording& recording, const Settings::Fit& fit) {
   if (recording.kind == FilmedKind::SnapshotWithoutField)
@@ -183,10 +194,9 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   TRY(plan_exposure(options, recording, plan));
   plan.first = recording.first;
   plan.stabilize = options.stabilize;
-  TRY(check_number("--speed", options.speed, 0.001, 1000));
+  TRY(plan_speed(options, plan));
   TRY(check_number("--framerate", options.framerate_hz, options.framerate_hz == 0 ? 0 : 0.1, 1000));
   TRY(check_number("--shutter-angle", options.shutter_deg, 0, 360));
-  plan.speed = options.speed;
   plan.framerate_hz = options.framerate_hz > 0 ? options.framerate_hz : recording.framerate_hz;
   plan.shutter_s = options.shutter_deg / 360 / plan.framerate_hz;
   const double length_s =

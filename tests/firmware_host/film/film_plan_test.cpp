@@ -106,6 +106,19 @@ TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]")
   CHECK(frozen.scene_shutter_s() == 0);
 }
 
+TEST_CASE("a frozen moment has no speed, but for the blur of a photograph", "[film]") {
+  CHECK_THAT(refusal({.time = "0.5", .speed = 0.25}),
+             Contains("--time 0.5 freezes a moment") && Contains("leave out --speed"));
+  const std::string path = sample::scratch_folder("film_frozen_speed") + "/p.csv";
+  std::ofstream(path) << "time_s,dx\n0,0\n1,0.1\n";
+  CHECK_THAT(refusal({.path = path, .time = "0.5", .speed = 2, .shutter_deg = 180}),
+             Contains("leave out --speed"));
+  const FilmPlan photograph = planned({.time = "0.5", .speed = 0.25, .shutter_deg = 180}).value();
+  CHECK(photograph.scene_shutter_s() == Approx(0.25 * 0.5 / 30));
+  CHECK(planned({.time = "0.5", .speed = 1}).ok());
+  CHECK(planned({.time = "0.5..1", .speed = 0.25}).ok());
+}
+
 TEST_CASE("an exposure makes 8-bit pictures, at the reference exposure where none is named", "[film]") {
   CHECK_FALSE(planned({}).value().exposure);
   CHECK(planned({.ldr = true}).value().exposure == 0.0);
