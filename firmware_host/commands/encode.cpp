@@ -48,26 +48,17 @@ struct NumberedFile {
   std::string path;
 };
 
-// text: as the user names the frames. A folder, or one file of many, leads to the pattern.
-Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
-  if (text.find('%') != std::string::npos) return FramePattern::parse("frames", text, ".exr");
-  const std::filesystem::path named(text);
-  const bool folder = TRY(storage.look_at(text)).kind == FileKind::Folder;
-  const std::filesystem::path place = folder ? named : named.parent_path();
-  const bool recording = named.extension() == ".mkv";
-  return Error{ErrorCode::Invalid,
-               fmt::format("'{}' {}; name the frames by their pattern, such as '{}'{}", text,
-                           folder ? "is a folder" : "names one file", (place / "%06d.exr").string(),
-                           recording ? "; of a recording 'hdrcam replay' makes a video" : "")};
-}
-
 std::size_t digits_at_end(const std::string& stem) {
   return stem.size() - (stem.find_last_not_of("0123456789") + 1);
 }
 
-// What a folder holds in place of the frames that are named, with what to write for it: the end of a
-// sentence. Of the shortest name, whose pattern fits the longer ones of its series too: f1.exr, f10.exr.
-std::string other_frames_in(const FolderListing& listing) {
+// The numbered frames that a folder holds: one of them, and the pattern that names them all.
+struct FoundFrames {
+  std::filesystem::path first, pattern;
+};
+
+// Of the shortest name, whose pattern fits the longer ones of its series too: f1.exr, f10.exr.
+std::optional<FoundFrames> frames_in(const FolderListing& listing) {
   std::optional<std::filesystem::path> first;
   const auto comes_before = [](const std::string& a, const std::string& b) {
     return std::pair(a.size(), std::string_view(a)) < std::pair(b.size(), std::string_view(b));
@@ -76,12 +67,44 @@ std::string other_frames_in(const FolderListing& listing) {
     if (path.extension() == ".exr" && digits_at_end(path.stem().string()) > 0 &&
         (!first || comes_before(path.string(), first->string())))
       first = path;
-  if (!first) return "";
+  if (!first) return std::nullopt;
   const std::string stem = first->stem().string();
   const std::size_t digits = digits_at_end(stem);
   const std::string pattern = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
-  return fmt::format("; there is '{}', for which write '{}'", first->string(),
-                     (first->parent_path() / pattern).string());
+  return FoundFrames{*first, first->parent_path() / pattern};
+}
+
+// What a folder holds in place of the frames that are named, with what to write for it: the end of a
+// sentence.
+std::string other_frames_in(const FolderListing& listing) {
+  const std::optional<FoundFrames> found = frames_in(listing);
+  return found ? fmt::format("; there is '{}', for which write '{}'", found->first.string(),
+                             found->pattern.string())
+               : "";
+}
+
+// Of a name with a '%'.
+Result<FramePattern> parsed_pattern(const std::string& text) {
+  Result<FramePattern> pattern = FramePattern::parse("frames", text, ".exr");
+  if (pattern) return pattern;
+  const std::filesystem::path folder = std::filesystem::path(text).parent_path();
+  const FolderListing listing(folder.empty() ? "." : folder.string());
+  return Error{pattern.error().code, pattern.error().message + other_frames_in(listing)};
+}
+
+// text: as the user names the frames. A folder, or one file of many, leads to the pattern.
+Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
+  if (text.find('%') != std::string::npos) return parsed_pattern(text);
+  const std::filesystem::path named(text);
+  const bool folder = TRY(storage.look_at(text)).kind == FileKind::Folder;
+  const std::filesystem::path place = folder ? named : named.parent_path();
+  const bool recording = named.extension() == ".mkv";
+  const std::optional<FoundFrames> found = folder ? frames_in(FolderListing(text)) : std::nullopt;
+  return Error{ErrorCode::Invalid,
+               fmt::format("'{}' {}; name the frames by their pattern, such as '{}'{}", text,
+                           folder ? "is a folder" : "names one file",
+                           (found ? found->pattern : place / "%06d.exr").string(),
+                           recording ? "; of a recording 'hdrcam replay' makes a video" : "")};
 }
 
 // In the order of their numbers.

@@ -349,6 +349,11 @@ TEST_CASE("encode leads from other names to the frames that are there, and from 
     write_grey(out + name, Image<float>(1, 16, 16));
   CHECK_THAT(told({out + "/%04d.exr"}),
              Contains("there is '" + out + "/f9.exr'") && Contains("write '" + out + "/f%01d.exr'"));
+  CHECK_THAT(told({out + "/f%d.exr"}), Contains("not a frame number like '%06d'") &&
+                                           Contains("there is '" + out + "/f9.exr'") &&
+                                           Contains("write '" + out + "/f%01d.exr'"));
+  CHECK_THAT(told({out}),
+             Contains("is a folder; name the frames by their pattern, such as '" + out + "/f%01d.exr'"));
   CHECK_THAT(told({out + "/000001.exr", out + "/000002.exr"}),
              Contains("unexpected argument") && Contains("one pattern, such as 'out/%06d.exr'"));
   CHECK_THAT(told({"walk.mkv"}), Contains("'hdrcam replay' makes a video"));
