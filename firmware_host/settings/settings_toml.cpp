@@ -189,10 +189,15 @@ Result<void> take(const Entry& entry, Settings& settings) {
   auto value = scalar(*entry.node);
   if (field->list && entry.node->is_array()) value = joined(*entry.node->as_array());
   if (!value) return not_accepted(*field, entry.key, word_for(*entry.node));
+  const auto* text = std::get_if<std::string>(&*value);
   // the system's names end there: "a\u0000.mkv" would be written to 'a'
-  if (const auto* text = std::get_if<std::string>(&*value); text && text->find('\0') != std::string::npos)
+  if (text && text->find('\0') != std::string::npos)
     return Error{ErrorCode::Invalid, fmt::format("{} has a \\u0000, which no setting takes", entry.key)};
-  return set(*field, *value, entry.key, settings);
+  const Result<void> taken = set(*field, *value, entry.key, settings);
+  if (taken || !text) return taken;
+  Settings unquoted = settings;
+  if (!set_from_text(*field, *text, entry.key, unquoted)) return taken;
+  return Error{taken.error().code, taken.error().message + "; write it without quotes"};
 }
 
 // The setting that is this knob's number, fit.lookahead of knobs.look_ahead and of itself; null where the

@@ -42,6 +42,10 @@ TEST_CASE("a value that a setting does not take is refused with what it takes") 
         "live.toml:2: camera.width takes a whole number, 16..65535 or 0, not 3");
   CHECK(refused("[camera]\nwidth = \"wide\"\n") ==
         "live.toml:2: camera.width takes a whole number, 16..65535 or 0, not 'wide'");
+  CHECK(refused("[camera]\nwidth = \"640\"\n") ==
+        "live.toml:2: camera.width takes a whole number, 16..65535 or 0, not '640'; write it without quotes");
+  CHECK_THAT(refused("[camera]\nwidth = \"3\"\n"), Contains("not '3'") && !Contains("quotes"));
+  CHECK_THAT(refused("[sync]\nactive_low = \"true\"\n"), Contains("; write it without quotes"));
   CHECK_THAT(refused("[camera]\nwidth = 99999999999\n"), Contains("not 99999999999"));
   CHECK_THAT(refused("[camera]\nwidth = 640.5\n"), Contains("not 640.5"));
   CHECK_THAT(refused("[camera]\nwidth = [640]\n"), Contains("not this list"));
