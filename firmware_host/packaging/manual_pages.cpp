@@ -103,8 +103,8 @@ ManualPage page_of(const VerbEntry& verb) {
   for (const FlagEntry& argument : verb.arguments) {
     // The flags of a verb's own verb stand behind that verb.
     if (argument.names.front() != kInnerVerb) text += std::exchange(flags, "");
-    text += fmt::format(" {}\\fI{}\\fR{}", argument.required ? "" : "[", roff(argument.names.front()),
-                        argument.required ? "" : "]");
+    text += fmt::format(" {}\\fI{}\\fR{}{}", argument.required ? "" : "[", roff(argument.names.front()),
+                        argument.repeated ? " ..." : "", argument.required ? "" : "]");
   }
   text += flags;
   text += '\n';

@@ -67,7 +67,15 @@ TEST_CASE(
   const std::vector<ManualPage> pages = manual_pages(product());
   const auto bench = std::ranges::find(pages, "hdrcam-bench.1", &ManualPage::name);
   REQUIRE(bench != pages.end());
-  CHECK_THAT(bench->roff, Contains("\\fBhdrcam bench\\fR \\fIwhat\\fR [\\fIflags\\fR] [\\fICLIP\\fR]\n"));
+  CHECK_THAT(bench->roff, Contains("\\fBhdrcam bench\\fR \\fIwhat\\fR [\\fIflags\\fR] [\\fICLIP\\fR ...]\n"));
+}
+
+TEST_CASE("an argument that may be repeated is followed by dots in the synopsis, and no other is") {
+  const std::vector<ManualPage> pages = manual_pages(product());
+  const auto page = [&](const char* name) { return std::ranges::find(pages, name, &ManualPage::name)->roff; };
+  CHECK_THAT(page("hdrcam-import.1"),
+             Contains("\\fBhdrcam import\\fR [\\fIflags\\fR] \\fIfootage\\fR ...\n"));
+  CHECK_THAT(page("hdrcam-info.1"), Contains("\\fBhdrcam info\\fR [\\fIflags\\fR] \\fIrecording\\fR\n"));
 }
 
 TEST_CASE("what roff would read as a request or an escape is text on a manual page") {
