@@ -66,6 +66,14 @@ Result<const RawFrame*> RecordingSource::next() {
   return &frame_.raw;
 }
 
+std::vector<std::string> RecordingSource::warnings() const {
+  std::vector<std::string> all = recording_->warnings();
+  if (left_out_ > 0)
+    all.push_back(fmt::format("{} of {} {} left out to hold the deadline; give a longer --deadline, or none",
+                              left_out_, counted(read_, "frame"), left_out_ == 1 ? "was" : "were"));
+  return all;
+}
+
 // The outcome of writing the copy. Where it failed the copy has no end.
 Result<void> RecordingSource::or_cut(Result<void> wrote) const {
   if (wrote) return wrote;

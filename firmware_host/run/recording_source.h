@@ -47,12 +47,13 @@ class RecordingSource : public FrameSource {
   RunPace pace() const override { return RunPace::Clip; }
   std::optional<int> frame_count() const override;
   Result<const RawFrame*> next() override;
+  void left_out() override { ++left_out_; }
   Result<void> finish(RunRecord& record) override;
 
   // Whether the time was up before the recording's end.
   bool timed_out() const { return timed_out_; }
   // Warnings for the user about the frames so far.
-  std::vector<std::string> warnings() const { return recording_->warnings(); }
+  std::vector<std::string> warnings() const;
   CaptureCounters counters() const { return recording_->counters(); }
 
  private:
@@ -69,6 +70,7 @@ class RecordingSource : public FrameSource {
   CapturedFrame frame_;
   int read_ = 0;
   int kept_out_ = 0;  // of those, for their exposures
+  int left_out_ = 0;  // of those, not emitted to hold the deadline
   bool timed_out_ = false;
   Result<void> end_;
 };
