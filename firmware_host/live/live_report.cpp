@@ -93,10 +93,11 @@ std::string advice_to_keep_up(const LiveCounters& counters, const Settings& sett
                                : fmt::format("the output '{}' ({:.0f} ms a frame; the fit {:.0f} ms)",
                                              settings.output.path(output->name), output->mean_ms(),
                                              method_summary(record).mean_ms);
+  const bool holds_stated_deadline = counters.left_out > 0 && !settings.fit.deadline.empty();
   if (is_replayed(settings.camera.id))
     return fmt::format(
-        "{} did not keep up with the recording; leave out --pace realtime, and every frame is worked on",
-        slow);
+        "{} did not keep up with the recording; leave out --pace realtime{}, and every frame is worked on",
+        slow, holds_stated_deadline ? " and --deadline" : "");
   const std::string& recording = settings.record.file;
   const std::uint64_t elsewhere = counters.in_takes + counters.not_requested;
   const bool whole = counters.not_recorded() + elsewhere == 0 && counters.recorded > 0;

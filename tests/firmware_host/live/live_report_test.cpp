@@ -51,5 +51,19 @@ TEST_CASE("where the fit waits for its outputs longer than it works, the slowest
   CHECK(advice_to_keep_up({}, settings, record).empty());
 }
 
+TEST_CASE(
+    "a recording at a camera's pace has all frames without that pace, and without a deadline of its own") {
+  Settings settings = settings_with_outputs();
+  settings.camera.id = "replay:walk.mkv";
+  CHECK(
+      advice_to_keep_up(with_shed_frames(), settings, record_of(60, 20)) ==
+      "the fit did not keep up with the recording; leave out --pace realtime, and every frame is worked on");
+  LiveCounters late;
+  late.left_out = 8;
+  settings.fit.deadline = "1ms";
+  CHECK_THAT(advice_to_keep_up(late, settings, record_of(60, 20)),
+             Catch::Contains("leave out --pace realtime and --deadline, and every frame"));
+}
+
 }  // namespace
 }  // namespace hdrcam
