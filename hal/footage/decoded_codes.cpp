@@ -58,8 +58,13 @@ Result<void> DecodedCodes::begin(const AVFrame& frame, AVCodecID codec) {
 Result<void> DecodedCodes::take_format(const AVFrame& frame, AVCodecID codec) {
   const auto pixel_format = static_cast<AVPixelFormat>(frame.format);
   const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(pixel_format);
-  constexpr std::uint64_t kNoCodes =
-      AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_HWACCEL;
+  constexpr std::uint64_t kNoCodes = AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_HWACCEL;
+  if ((format.flags & AV_PIX_FMT_FLAG_BAYER) != 0)
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("has pixels of the format {}, a mosaic; write its codes as grey PNG pictures, with a "
+                    "clip.json that states the layout (docs/recording.md)",
+                    format.name)};
   const bool xyz = pixel_format == AV_PIX_FMT_XYZ12LE || pixel_format == AV_PIX_FMT_XYZ12BE;
   if ((format.flags & kNoCodes) != 0 || xyz || format.comp[0].depth < 8 || format.comp[0].depth > 16)
     return Error{ErrorCode::Unsupported,

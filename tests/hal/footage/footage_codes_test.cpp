@@ -114,6 +114,28 @@ void add_exif_to_png(const std::string& path, std::uint16_t orientation) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
+// A raw video of one frame.
+void write_mosaic_video(const std::string& path) {
+  AVFormatContext* video = nullptr;
+  REQUIRE(avformat_alloc_output_context2(&video, nullptr, "nut", path.c_str()) >= 0);
+  AVStream* const track = avformat_new_stream(video, nullptr);
+  track->codecpar->codec_type = AVMEDIA_TYPE_VIDEO, track->codecpar->codec_id = AV_CODEC_ID_RAWVIDEO;
+  track->codecpar->format = AV_PIX_FMT_BAYER_RGGB8;
+  track->codecpar->codec_tag = avcodec_pix_fmt_to_codec_tag(AV_PIX_FMT_BAYER_RGGB8);
+  track->codecpar->width = track->codecpar->height = 16;
+  track->time_base = {1, 30};
+  REQUIRE(avio_open(&video->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0);
+  REQUIRE(avformat_write_header(video, nullptr) >= 0);
+  std::vector<std::uint8_t> codes(std::size_t{16} * 16, 128);
+  const libav::Packet packet(av_packet_alloc());
+  packet->data = codes.data(), packet->size = static_cast<int>(codes.size());
+  packet->pts = packet->dts = 0, packet->flags |= AV_PKT_FLAG_KEY;
+  REQUIRE(av_write_frame(video, packet.get()) >= 0);
+  REQUIRE(av_write_trailer(video) >= 0);
+  avio_closep(&video->pb);
+  avformat_free_context(video);
+}
+
 }  // namespace
 
 TEST_CASE("a video of eight bits comes as RGB of ten, its frames within a code of what was filmed") {
@@ -232,6 +254,16 @@ TEST_CASE("a TIFF of floating point is refused for its kind, not only called dam
   REQUIRE(read_back.error);
   CHECK_THAT(read_back.error->message, Contains("of a kind that FFmpeg does not know") ||  // before FFmpeg 6
                                            Contains("has pixels of the format rgbf32"));
+}
+
+TEST_CASE("video of a mosaic is refused with the way on which its codes stay as they are") {
+  const std::string path = sample::scratch_folder("footage_mosaic") + "/x.nut";
+  write_mosaic_video(path);
+  const ReadFootage refused = read_footage({path});
+  REQUIRE(refused.error);
+  CHECK(refused.error->code == ErrorCode::Unsupported);
+  CHECK_THAT(refused.error->message,
+             Contains("bayer_rggb8, a mosaic") && Contains("grey PNG pictures, with a clip.json"));
 }
 
 TEST_CASE("a JPEG is turned upright by the orientation of its EXIF, with its sides and its lens") {
