@@ -25,8 +25,19 @@ constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
 // A block begins with its track, numbered from 1; 0x80 marks the number's length.
 constexpr std::byte kTrackOfPixels{0x81 + matroska::kPixelTrack}, kTrackOfFacts{0x81 + matroska::kFactsTrack};
 constexpr std::size_t kMostHead = 19;  // bytes: identifier and size of a group and of its block, the track
+constexpr std::size_t kPartBytes = 64 << 10;
 
 }  // namespace
+
+Result<bool> holds_cluster(StorageFile& file) {
+  std::vector<std::byte> part(kPartBytes);
+  for (std::uint64_t at = 0;; at += part.size() - (kCluster.size() - 1)) {
+    const std::size_t known = TRY(file.read_at(at, part));
+    const auto bytes = std::span<const std::byte>(part).first(known);
+    if (std::search(bytes.begin(), bytes.end(), kCluster.begin(), kCluster.end()) != bytes.end()) return true;
+    if (known < part.size()) return false;
+  }
+}
 
 // An identifier and a size, both with a length in leading zeros; nullopt for what cannot be one that ends by
 // `end`. bytes: those from `at` on.
@@ -61,7 +72,7 @@ std::optional<ClusterScan::Element> ClusterScan::block_in(std::span<const std::b
 Result<ClusterScan::Place> ClusterScan::find_mark() {
   constexpr std::size_t kOverlap = std::max({kCluster.size(), kDocType.size(), kMostHead}) - 1;
   const std::uint64_t file_end = TRY(file_.size());
-  std::vector<std::byte> part(64 << 10);
+  std::vector<std::byte> part(kPartBytes);
   for (std::uint64_t at = at_;; at += part.size() - kOverlap) {
     const std::size_t known = TRY(file_.read_at(at, part));
     const auto bytes = std::span<const std::byte>(part).first(known);

@@ -20,6 +20,9 @@ struct FoundCluster {
   std::string facts;
 };
 
+// Whether a cluster begins anywhere in the file, by its identifier. Errors: those of the storage.
+Result<bool> holds_cluster(StorageFile& file);
+
 class ClusterScan {
  public:
   // from: the byte of the file where the search begins; most_bytes: of a block, more is damage; behind: the

@@ -83,7 +83,7 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   const int code = avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);
   container.demuxer.reset(demuxer);
   if (container.stream->failure()) return *container.stream->failure();
-  if (code < 0 && !container.whole)
+  if (code < 0 && !container.whole && !TRY(holds_cluster(file)))
     return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
   if (code < 0)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: its header cannot be read", path)};

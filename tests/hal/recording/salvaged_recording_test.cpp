@@ -120,6 +120,23 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
 }
 
+TEST_CASE("a damaged header is called so, and no cut, however the recording ends") {
+  const sample::StoredSample made = small_recording("header_hole");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  const std::vector<std::size_t> clusters = clusters_in(bytes);
+  constexpr std::size_t kHead = 10, kHole = 50;  // bytes: the segment's head with its size is among them
+  REQUIRE(clusters.front() > kHead + kHole);
+  for (const std::size_t length : {bytes.size(), clusters[2]}) {
+    std::string holed = bytes.substr(0, length);
+    holed.replace(kHead, kHole, std::string(kHole, '\0'));
+    write_file(made.path, holed);
+    const auto opened = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+    REQUIRE_FALSE(opened.ok());
+    CHECK(opened.error().code == ErrorCode::Corrupt);
+    CHECK(opened.error().message == fmt::format("'{}' is damaged: its header cannot be read", made.path));
+  }
+}
+
 TEST_CASE("a damaged size that leads right to a later frame costs no frame between") {
   const sample::StoredSample made = small_recording("overlong");
   std::string bytes = read_whole(posix_storage(), made.path).value();
