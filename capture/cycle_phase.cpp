@@ -248,6 +248,17 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
   return best.walk;
 }
 
+int count_copies(std::span<const CycleStep> steps, std::span<const Exposure> cycle) {
+  for (std::size_t i = 0; i < cycle.size(); ++i) {
+    const Exposure& next = cycle[(i + 1) % cycle.size()];
+    if (std::abs(log_product(next) - log_product(cycle[i])) <= kSameInFootage) return 0;
+  }
+  const auto is_copied = [](const CycleStep& step) {
+    return step.kind == StepKind::Measured && step.missing == 0 && std::abs(step.log_ratio) <= kSameExposure;
+  };
+  return static_cast<int>(std::ranges::count_if(steps, is_copied));
+}
+
 Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
   constexpr int kRounds = 3;  // of refinement
   const std::size_t period = period_of(steps);

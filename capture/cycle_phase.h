@@ -46,6 +46,11 @@ struct CycleWalk {
 // in another order; Invalid for a cycle that is empty.
 Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Exposure> cycle);
 
+// How many frames look as the one before them, though each step of the cycle changes the exposure, and no
+// time tells of a loss between them: copies, as programs make them that raise a frame rate. 0 for a cycle
+// with a step that pictures need not show.
+int count_copies(std::span<const CycleStep> steps, std::span<const Exposure> cycle);
+
 // Steps over one, two and more frames: [lag - 1][frame], from that frame to the one `lag` later.
 using StepsByLag = std::vector<std::vector<CycleStep>>;
 

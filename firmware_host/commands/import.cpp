@@ -288,6 +288,10 @@ void tell_display(const FootagePlan& plan) {
         plan.primaries);
 }
 
+void warn_of_copies(const FootagePlan& plan) {
+  if (const std::string copies = describe_copies(plan); !copies.empty()) remark("warning: {}\n", copies);
+}
+
 // Cut footage is an error after all that is there was imported, as a cut recording is.
 Result<void> tell_losses(const FootagePlan& plan) {
   std::optional<std::string> cut;
@@ -320,6 +324,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
   tell_order(plan);
   tell_display(plan);
+  warn_of_copies(plan);
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));

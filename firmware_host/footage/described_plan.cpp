@@ -102,6 +102,15 @@ std::string describe_turns(const FootagePlan& plan) {
   return fmt::format("the pictures are turned as each file states; the first of each kind: {}", each);
 }
 
+std::string describe_copies(const FootagePlan& plan) {
+  constexpr int kFewest = 3;  // fewer are losses of a short clip
+  if (plan.copies < kFewest || 8 * static_cast<std::size_t>(plan.copies) <= plan.facts.size()) return "";
+  return fmt::format(
+      "{} of {} look as the one before them, as where a program raised the frame rate; if so, import the "
+      "video as the camera wrote it, or take the copies out first: ffmpeg -vf mpdecimate -fps_mode vfr",
+      plan.copies, counted(plan.facts.size(), "frame"));
+}
+
 std::string describe_pause(const FootagePlan& plan) {
   const auto& pause = plan.times.pause;
   if (!pause || pause->before >= plan.files.size()) return "";

@@ -17,6 +17,10 @@ std::string describe_missing(const FootagePlan& plan);
 // "the pictures are turned by 90 degrees, as the files state"; "" where all stay as they are stored.
 std::string describe_turns(const FootagePlan& plan);
 
+// Where more than an eighth of the frames, three at least, look as the one before them: that a program may
+// have copied them; else "".
+std::string describe_copies(const FootagePlan& plan);
+
 // Where EXIF shows a pause between stills: that they may be of several scenes, or in other light, which would
 // explain exposures that pictures contradict; else "".
 std::string describe_pause(const FootagePlan& plan);

@@ -197,6 +197,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   if (!walk && !seen.low_codes.empty())  // of nearly black pictures
     return Error{walk.error().code, fmt::format("{}; {}", walk.error().message, seen.low_codes)};
   plan.walk = TRY(std::move(walk));
+  plan.copies = count_copies(seen.steps[0], plan.cycle);
   take_walk(plan);
   return plan;
 }

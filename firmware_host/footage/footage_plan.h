@@ -52,6 +52,7 @@ struct FootagePlan {
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle; where files state their exposures only what is missing
+  int copies = 0;               // frames that look as the one before them, against the cycle
   std::vector<FrameFacts> facts;
   std::vector<Instant> as_read;       // when each frame is, by the reader of the footage
   std::vector<FootageLosses> losses;  // of files that are not whole

@@ -225,6 +225,24 @@ TEST_CASE("footage that does not alternate as it is said to is refused") {
              Contains("the exposure changes between frames, and is not always 4 ms"));
 }
 
+TEST_CASE("frames that came twice are counted, and neither losses nor frames of one exposure are") {
+  const auto& cycle = kCycles[1];
+  Footage made = footage(cycle, 24, 0, {}, 0.7, 5);
+  CHECK(count_copies(made.steps, cycle) == 0);
+  std::vector<CycleStep> doubled;
+  for (const CycleStep& step : made.steps) {
+    doubled.push_back({StepKind::Measured, 0.01, 0});
+    doubled.push_back(step);
+  }
+  CHECK(count_copies(doubled, cycle) == 23);
+  doubled[0].missing = 2;             // a whole round but one, as the times tell
+  doubled[2].kind = StepKind::Rough;  // two black frames
+  CHECK(count_copies(doubled, cycle) == 21);
+  const Footage still = footage({exposure_of(4)}, 24, 0, {}, 1, 5);
+  CHECK(count_copies(still.steps, std::vector<Exposure>{exposure_of(4)}) == 0);
+  CHECK(count_copies(doubled, std::vector<Exposure>{exposure_of(1), exposure_of(1), exposure_of(8)}) == 0);
+}
+
 TEST_CASE("a cycle that nobody knows comes out of the pictures with its ratios, losses or not") {
   for (const auto& cycle : kCycles)
     for (const bool losses : {false, true}) {
