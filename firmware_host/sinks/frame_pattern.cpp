@@ -19,10 +19,14 @@ std::string_view content_of(std::string_view flag) {
   return flag == kNumbersRecordings ? "recording" : "frame";
 }
 
+// As a message shows it.
+std::string_view usual_number(std::string_view flag) { return flag == kNumbersRecordings ? "%03d" : "%06d"; }
+
 Error refused(std::string_view flag, std::string_view text, std::string_view why,
               std::string_view extension) {
-  return {ErrorCode::Invalid, fmt::format("{} '{}' {}; write it as '{}{}'", flag, text, why,
-                                          flag == kNumbersRecordings ? "takes/%03d" : "out/%06d", extension)};
+  return {ErrorCode::Invalid,
+          fmt::format("{} '{}' {}; write it as '{}/{}{}'", flag, text, why,
+                      flag == kNumbersRecordings ? "takes" : "out", usual_number(flag), extension)};
 }
 
 // Of a name without a number. One without an extension is a folder's, but for that of the standard output.
@@ -30,9 +34,9 @@ Error not_numbered(std::string_view flag, std::string_view text, std::string_vie
   Error refusal =
       refused(flag, text, fmt::format("would put every {} into one file", content_of(flag)), extension);
   if (!text.empty() && text != kStandardOutput && std::filesystem::path(text).extension().empty())
-    refusal.message = fmt::format("{} '{}' names no files; write it as '{}/%0{}d{}'", flag, text,
-                                  text.substr(0, text.find_last_not_of('/') + 1),
-                                  flag == kNumbersRecordings ? 3 : 6, extension);
+    refusal.message =
+        fmt::format("{} '{}' names no files; write it as '{}/{}{}'", flag, text,
+                    text.substr(0, text.find_last_not_of('/') + 1), usual_number(flag), extension);
   if (flag == kTakesVideos) refusal.message += ", or name a video: out.mp4, out.mov or out.mkv";
   return refusal;
 }
@@ -76,8 +80,10 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
   const std::size_t percent = text.find('%', begin);
   const auto width = width_of_number(text.substr(percent));
   if (!width)
-    return refused(flag, text, fmt::format("has a '%' that is not a {} number like '%06d'", content_of(flag)),
-                   extension);
+    return refused(
+        flag, text,
+        fmt::format("has a '%' that is not a {} number like '{}'", content_of(flag), usual_number(flag)),
+        extension);
   const int digits = parse_number<int>(*width).value();
   if (digits < 1 || digits > kMaxDigits)
     return refused(flag, text, fmt::format("asks for {} digits, not 1 to {}", digits, kMaxDigits), extension);

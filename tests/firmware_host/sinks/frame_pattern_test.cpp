@@ -86,6 +86,8 @@ TEST_CASE("a folder in place of a pattern is told with its own name how to be nu
   CHECK_THAT(message("--output", "frame.exr", ".exr"), Contains("would put every frame into one file"));
   CHECK_THAT(message("--http-record", "-", ".mkv"),
              Contains("would put every recording into one file; write it as 'takes/%03d.mkv'"));
+  CHECK_THAT(message("--http-record", "takes/%d.mkv", ".mkv"),
+             Contains("not a recording number like '%03d'; write it as 'takes/%03d.mkv'"));
 }
 
 TEST_CASE("a single file for all frames leads to the videos, where the output may be one") {
