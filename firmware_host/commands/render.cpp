@@ -308,6 +308,10 @@ void add_render(CommandLine program, Verb& chosen) {
   add_view_flags(verb, flags->options);
   flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(verb, kRecordingRunGroups, not_of_a_film());
+  constexpr const char* kOutput =
+      "HDR frames, numbered from 0: out/%06d.exr; 8-bit pictures of --ldr: out/%06d.png; a video: out.mp4 "
+      "(.mov, .mkv); or -, the standard output (\"\": none)";
+  verb.flag("--output").describe(kOutput);
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 

@@ -122,6 +122,12 @@ TEST_CASE("the help of a camera's verbs explains the frame rate without another 
     CHECK_THAT(ran_here({verb, "--help"}).out, Contains("frames per second of the camera, or of files"));
 }
 
+TEST_CASE("the help of render says how a film numbers its frames") {
+  CHECK_THAT(ran_here({"render", "--help"}).out,
+             Contains("HDR frames, numbered from 0: out/%06d.exr") && !Contains("the sensor's sequence"));
+  CHECK_THAT(ran_here({"replay", "--help"}).out, Contains("numbered by the sensor's sequence"));
+}
+
 TEST_CASE("--version is one line") {
   const RanHere version = ran_here({"--version"});
   CHECK(version.exit_code == kExitOk);
