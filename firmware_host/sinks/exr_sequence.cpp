@@ -84,7 +84,7 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   attributes.texts[kWhite] = fmt::format("{}", frame.white);
   attributes.comments = fmt::format(
       "hdrcam {}; frame {}; radiance 1 saturates the reference exposure{}; this frame's exposure is "
-      "{:.6g} of it",
+      "{:.6g} times that",
       kVersion, facts.sequence,
       facts.has_exposure_time() ? fmt::format(" {:.6g} s at gain 1", frame.reference_exposure)
                                 : ", which is estimated: no time is known",
