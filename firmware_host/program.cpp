@@ -179,7 +179,9 @@ bool wants_json(std::span<const char* const> args) {
 
 // code: errno of the write that failed, 0 where it is not known.
 Error lost_output(int code, std::string_view consequence) {
-  const char* const reason = code == EBADF ? "it is closed" : std::strerror(code != 0 ? code : EIO);
+  const char* const reason = code == EBADF   ? "it is closed"
+                             : code == EPIPE ? "the program that reads it has ended"
+                                             : std::strerror(code != 0 ? code : EIO);
   const bool full = code == ENOSPC || code == EDQUOT;
   return {full ? ErrorCode::NoSpace : ErrorCode::Io,
           fmt::format("cannot write to the standard output: {}{}", reason, consequence)};

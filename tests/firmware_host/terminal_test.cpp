@@ -59,6 +59,19 @@ TEST_CASE("results that the standard output does not take are an error in a sent
   CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("; the files are complete"));
 }
 
+TEST_CASE("results that a program stopped to read are an error that says so") {
+  const std::string folder = sample::scratch_folder("terminal_pipe"), words = folder + "/words",
+                    closed = folder + "/closed";
+  // the reader closes its end before the program writes
+  const std::string line = "( while [ ! -e '" + closed +
+                           "' ]; do sleep 0.01; done; '" HDRCAM_BINARY "' --version 2>'" + words +
+                           "'; echo $? >'" + folder + "/code' ) | " + "{ exec <&-; touch '" + closed + "'; }";
+  CHECK(std::system(line.c_str()) == 0);
+  CHECK(value_of(read_whole(posix_storage(), folder + "/code")) == "12\n");
+  CHECK(value_of(read_whole(posix_storage(), words)) ==
+        "hdrcam: cannot write to the standard output: the program that reads it has ended.\n");
+}
+
 TEST_CASE(
     "frames are not written to a terminal, which would show their bytes, and no camera is opened for it") {
   const std::string words = sample::scratch_folder("terminal_frames") + "/words";
