@@ -93,8 +93,9 @@ void count_losses(std::span<const CycleStep> steps, int slots, CycleWalk& walk) 
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const int advance = ((walk.slots[i + 1] - walk.slots[i]) % slots + slots) % slots;
     const int fewest = (advance - 1 + slots) % slots;
-    const int beyond = std::max(0, steps[i].missing - fewest);  // that the times tell, in whole cycles
-    walk.lost_before[i + 1] = fewest + (beyond + slots - 1) / slots * slots;
+    const int beyond = std::max(0, steps[i].missing - fewest);  // that the times tell, which jitter
+    const int rounds = (beyond + (slots - 1) / 2) / slots;      // the nearest number, in doubt the lower one
+    walk.lost_before[i + 1] = fewest + rounds * slots;
     if (steps[i].kind == StepKind::Measured) ++walk.measured;
   }
 }

@@ -128,6 +128,20 @@ TEST_CASE("a loss that the times tell may be a whole round of the cycle, which n
   CHECK(walk.value().lost_before[15] == 1);
 }
 
+TEST_CASE("a frame that comes late is no loss of a whole round where the pictures go on with the cycle") {
+  for (const auto& cycle : {kCycles[0], kCycles[1]}) {
+    Footage made = footage(cycle, 24, 0, {}, 1, 3);
+    for (const std::size_t step : {5u, 11u, 17u}) made.steps[step].missing = 1;  // two intervals, by its time
+    made.steps[20].missing = 2;                                                  // three
+    const auto walk = find_walk(made.steps, cycle);
+    REQUIRE(walk.ok());
+    CHECK(walk.value().slots == made.slots);
+    for (int i = 0; i < 24; ++i)
+      CHECK(walk.value().lost_before[static_cast<std::size_t>(i)] ==
+            (i == 21 ? static_cast<int>(cycle.size()) : 0));
+  }
+}
+
 TEST_CASE("a light that is switched on is one odd step, not a loss") {
   const auto& cycle = kCycles[1];
   Footage made = footage(cycle, 40, 0, {}, 1, 5);
