@@ -8,6 +8,7 @@
 #include <ImfOutputFile.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -221,12 +222,29 @@ Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::strin
   return image;
 }
 
+bool is_openexr(std::span<const std::byte> bytes) {
+  constexpr std::array kMagic{std::byte{0x76}, std::byte{0x2f}, std::byte{0x31}, std::byte{0x01}};
+  const std::size_t known = std::min(bytes.size(), kMagic.size());  // of a cut file fewer
+  return std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(known), kMagic.begin());
+}
+
+// What the library says of a file, without the name that our message has already, and without its full stop.
+std::string reason_of(const std::exception& thrown, const std::string& name) {
+  std::string reason = thrown.what();
+  const std::string said = fmt::format("Cannot read image file \"{}\". ", name);
+  if (reason.starts_with(said)) reason.erase(0, said.size());
+  while (reason.ends_with('.')) reason.pop_back();
+  return reason;
+}
+
 // What `read` makes of an OpenEXR file, whose reader throws.
 template <class Read>
 auto read_safely(std::span<const std::byte> bytes, const std::string& name, const Read& read)
     -> decltype(read(std::declval<BytesIn&>())) {
   static const bool limited = (Imf::Header::setMaxImageSize(kMaxSide, kMaxSide), true);
   (void)limited;
+  if (!is_openexr(bytes))
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is not an OpenEXR picture", name)};
   BytesIn in(bytes, name);
   try {
     return read(in);
@@ -234,7 +252,7 @@ auto read_safely(std::span<const std::byte> bytes, const std::string& name, cons
     if (in.ended_early() && !bytes.empty())
       return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};
     return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
+                 fmt::format("'{}' is not a readable OpenEXR picture: {}", name, reason_of(e, name))};
   }
 }
 

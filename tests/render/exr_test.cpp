@@ -330,12 +330,26 @@ TEST_CASE("a displayed picture of more samples than a 64-bit size counts is refu
   CHECK(vast.error().code == ErrorCode::Unsupported);
 }
 
-TEST_CASE("bytes that are no OpenEXR file are refused by name") {
-  const std::string text = "P6 2 2 255 nothing of the kind";
-  const auto image = decode_exr(std::as_bytes(std::span(text)), "holiday.ppm");
+TEST_CASE("bytes that are no OpenEXR file are refused by name, however few they are") {
+  for (const std::string text : {"P6 2 2 255 nothing of the kind", "P6"}) {
+    const auto image = decode_exr(std::as_bytes(std::span(text)), "holiday.ppm");
+    REQUIRE_FALSE(image.ok());
+    REQUIRE(image.error().code == ErrorCode::Corrupt);
+    REQUIRE(image.error().message == "'holiday.ppm' is not an OpenEXR picture");
+  }
+}
+
+TEST_CASE("an error of the OpenEXR library names the file once and has no full stop of its own") {
+  const Image<float> plane = ramp(0, 1);
+  std::vector<std::byte> bytes = encode_exr(picture_of(plane, plane)).value();
+  bytes[4] = std::byte{77};  // a version that nobody has written
+  const auto image = decode_exr(bytes, "newer.exr");
   REQUIRE_FALSE(image.ok());
-  REQUIRE(image.error().code == ErrorCode::Corrupt);
-  REQUIRE(image.error().message.find("holiday.ppm") != std::string::npos);
+  const std::string& message = image.error().message;
+  CAPTURE(message);
+  CHECK(message.starts_with("'newer.exr' is not a readable OpenEXR picture: "));
+  CHECK(message.find("newer.exr") == message.rfind("newer.exr"));
+  CHECK_FALSE(message.ends_with('.'));
 }
 
 }  // namespace hdrcam
