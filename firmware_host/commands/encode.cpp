@@ -316,10 +316,11 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   Progress progress(stderr, static_cast<int>(files.size()));
   Result<void> encoded;
   std::size_t frames = 0;  // in the video
-  while (encoded && frames < files.size() && !around.stop) {
+  while (frames < files.size() && !around.stop) {
     Stopwatch watch;
     encoded = video.add(files[frames]);
-    if (encoded) ++frames;
+    if (!encoded) break;
+    ++frames;
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }
   if (const Result<void> finished = video.finish(); encoded && !finished) encoded = finished;

@@ -321,6 +321,14 @@ TEST_CASE(
                        Contains("the video: out.mp4"));
 }
 
+TEST_CASE("a frame that cannot be read is an error and no progress") {
+  const std::string out = sample::scratch_folder("encode_unread");
+  REQUIRE(write_whole(posix_storage(), out + "/1.exr", std::as_bytes(std::span("no picture"))).ok());
+  const test::Ran ended = test::ran({"encode", out + "/%01d.exr", "-o", out + "/x.mp4"});
+  CHECK(ended.exit_code != 0);
+  CHECK_THAT(ended.output, Contains("1.exr' is not an OpenEXR picture") && !Contains("frame 1/1"));
+}
+
 TEST_CASE("encode leads from a folder, and from one of its files, to the pattern of the frames") {
   const std::string out = sample::scratch_folder("encode_folder");
   for (const auto& [frames, what] : {std::pair(out, "is a folder"), std::pair(out + "/", "is a folder"),
