@@ -17,7 +17,8 @@ void show_progress(std::FILE* stream, const FrameSource& source, const SharedPro
   ProgressState shown;
   while (work.wait_for(kLook) != std::future_status::ready) {
     const ProgressState now = progress.now();
-    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line keeps changing
+    const bool goes_on = now.done > shown.done || now.read > shown.read;
+    if (!goes_on && source.pace() == RunPace::Clip) continue;  // a camera's line keeps changing
     if (line.due()) line.show(source.status(shown = now));
   }
   if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));

@@ -1,5 +1,7 @@
 // The progress of a run in one line (status_line.h):
 //   frame 12/48  61 ms/frame  loss 0.021  ETA 00:03
+// Before the first frame of a film, which may be far into the recording:
+//   recorded frame 17  260 ms/frame
 // Thread-bound.
 #pragma once
 
@@ -36,6 +38,10 @@ class SharedProgress {
   void frame_done(double ms, std::optional<double> loss) {
     const std::lock_guard lock(mutex_);
     state_.frame_done(ms, loss);
+  }
+  void frame_read(double ms) {
+    const std::lock_guard lock(mutex_);
+    state_.frame_read(ms);
   }
   ProgressState now() const {
     const std::lock_guard lock(mutex_);

@@ -18,7 +18,15 @@ void ProgressState::frame_done(double ms, std::optional<double> its_loss) {
   loss = its_loss;
 }
 
+void ProgressState::frame_read(double ms) {
+  if (done > 0) return;
+  ms_per_frame = read == 0 ? ms : (1 - kRecent) * ms_per_frame + kRecent * ms;
+  ++read;
+}
+
 std::string progress_line(const ProgressState& state) {
+  if (state.done == 0 && state.read > 0)
+    return fmt::format("recorded frame {}  {:.0f} ms/frame", state.read, state.ms_per_frame);
   std::string line = state.total ? fmt::format("frame {}/{}", state.done, *state.total)
                                  : fmt::format("frame {}", state.done);
   line += fmt::format("  {:.0f} ms/frame", state.ms_per_frame);

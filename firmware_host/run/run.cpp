@@ -208,11 +208,15 @@ Result<void> Run::deliver(HdrFrame& hdr, const FrameEstimate& estimate, const Fr
   if (governor_) kept.rung = governor_->rung();
   source_.emitted(kept);
   const TraceSpan span(plan_.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
+  if (film_ && plan_.film->frozen) between_shows_ = {};  // its frames come one after the other, of one moment
   TRY(give_to_outputs(hdr, estimate, kept));
   tell_response();
   if (choice_) ask_for_exposures(estimate, kept);
   if (novel_views_) TRY(novel_views_->render(estimate));
-  if (!film_) progress_.frame_done(kept.total_ms, loss_of(kept));
+  if (film_)
+    progress_.frame_read(kept.total_ms);
+  else
+    progress_.frame_done(kept.total_ms, loss_of(kept));
   return {};
 }
 

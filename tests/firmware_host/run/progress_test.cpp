@@ -38,6 +38,19 @@ TEST_CASE("the line says how far, how fast, how well and how long still") {
   CHECK(progress_line({7, 5, 50, std::nullopt}) == "frame 7/5  50 ms/frame  ETA 00:00");
 }
 
+TEST_CASE("before the first frame of a film the line says how far the recording is read") {
+  ProgressState state;
+  state.total = 1;
+  state.frame_read(250);
+  CHECK(progress_line(state) == "recorded frame 1  250 ms/frame");
+  state.frame_read(250);
+  CHECK(progress_line(state) == "recorded frame 2  250 ms/frame");
+  state.frame_done(80, std::nullopt);
+  CHECK(progress_line(state) == "frame 1/1  80 ms/frame  ETA 00:00");
+  state.frame_read(250);  // between the frames of a film
+  CHECK(progress_line(state) == "frame 1/1  80 ms/frame  ETA 00:00");
+}
+
 TEST_CASE("away from a terminal there is one plain line a second and one for the last frame") {
   CHECK(printed(3, 2000ms) ==
         "frame 1/3  61 ms/frame  loss 0.021  ETA 00:01\n"
