@@ -45,7 +45,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
     if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
       seen.silent = footage.path();
   }
-  seen.losses = footage.losses(), seen.low_codes = low.warning();
+  seen.losses = footage.losses(), seen.low_codes = low.suspicion();
   seen.primaries = footage.primaries();
   seen.orientations = footage.orientations(), seen.oblique = footage.oblique();
   if (seen.facts.size() < 2)

@@ -34,7 +34,7 @@ struct FootageScan {
   std::string timed;                // the first video that says when its frames are; "": none
   StepsByLag steps;
   StatedFactor iso, f_number;
-  std::string low_codes;  // what LowCodes warns of
+  std::string low_codes;  // what LowCodes suspects
   std::string silent;     // the first file with a frame whose exposure it does not state; "": none
   std::vector<FootageLosses> losses;
 };

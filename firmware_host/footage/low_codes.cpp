@@ -37,4 +37,14 @@ std::string LowCodes::warning() const {
       brightest_, 100 * clipped.share, clipped.frame, bits, kBits - bits);
 }
 
+std::string LowCodes::suspicion() const {
+  std::string sure = warning();
+  const int bits = std::bit_width(brightest_);
+  if (!sure.empty() || bits < kFewest || bits > kMost) return sure;
+  return fmt::format(
+      "no code of 16 bits is above {}: codes of fewer bits in the lower bits of 16 look so; if these are, "
+      "shift them up, those of 12 bits by 4 (docs/recording.md, Bits)",
+      brightest_);
+}
+
 }  // namespace hdrcam

@@ -19,6 +19,9 @@ class LowCodes {
   // A sentence without a full stop, or "". A dark scene of 16 bits has codes as low, but is not clipped at
   // the largest code of fewer bits: a frame has to be, and no code of any frame may be above it.
   std::string warning() const;
+  // Of frames that cannot be told apart: the warning, or else what so low codes may be. A sensor may clip
+  // below its largest code.
+  std::string suspicion() const;
 
  private:
   static constexpr int kFewest = 9, kMost = 14;  // bits that sensors have

@@ -10,8 +10,8 @@ using Catch::Contains;
 
 namespace {
 
-// Frames of a ramp that is clipped at the largest code of so many bits: at the last `clipped` samples.
-std::string warning_of(int bits_stated, int bits, int clipped, std::uint16_t brighter = 0) {
+// After frames of a ramp that is clipped at the largest code of so many bits: at the last `clipped` samples.
+LowCodes observed(int bits_stated, int bits, int clipped, std::uint16_t brighter = 0) {
   constexpr int kSamples = 2000;
   CameraFacts camera;
   camera.bits = bits_stated;
@@ -25,7 +25,11 @@ std::string warning_of(int bits_stated, int bits, int clipped, std::uint16_t bri
     if (frame == 2 && brighter != 0) codes.samples()[7] = brighter;
     low.observe(codes);
   }
-  return low.warning();
+  return low;
+}
+
+std::string warning_of(int bits_stated, int bits, int clipped, std::uint16_t brighter = 0) {
+  return observed(bits_stated, bits, clipped, brighter).warning();
 }
 
 }  // namespace
@@ -50,4 +54,14 @@ TEST_CASE("frames of a dark scene, of all 16 bits or of the bits that are stated
   CHECK(warning_of(16, 16, 500).empty());
   CHECK(warning_of(16, 8, 500).empty());  // no sensor's codes
   CHECK(warning_of(12, 12, 500).empty());
+}
+
+TEST_CASE(
+    "of frames that cannot be told apart low codes are suspected, also where a sensor clips below them") {
+  CHECK_THAT(observed(16, 12, 0).suspicion(),
+             Contains("no code of 16 bits is above 4091") && Contains("those of 12 bits by 4"));
+  CHECK(observed(16, 12, 500).suspicion() == warning_of(16, 12, 500));
+  CHECK(observed(16, 12, 500, 65535).suspicion().empty());
+  CHECK(observed(16, 16, 500).suspicion().empty());
+  CHECK(observed(12, 12, 500).suspicion().empty());
 }
