@@ -358,7 +358,7 @@ Result<void> check_output(const ImportOptions& options) {
   if (options.list && (!options.output.empty() || options.kept.replaces()))
     return Error{
         ErrorCode::Invalid,
-        "--list says what would be imported and writes nothing; leave it out, or --output and --force"};
+        "--list says what would be imported and writes nothing; leave out --list, or --output and --force"};
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};

@@ -151,7 +151,7 @@ std::string scene_list() {
 Result<void> list_scenes(const SimulateFlags& flags) {
   if (!flags.output.empty() || !flags.truth.empty())
     return Error{ErrorCode::Invalid,
-                 "--list prints the scenes and films none; leave it out, or --output and --truth"};
+                 "--list prints the scenes and films none; leave out --list, or --output and --truth"};
   write_result(scene_list());
   return {};
 }

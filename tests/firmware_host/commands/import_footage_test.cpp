@@ -380,7 +380,7 @@ TEST_CASE("flags that would not be heeded are refused") {
   for (const std::string& writes : {" -o " + folder + "/y.mkv", std::string(" --force")}) {
     const auto list = import_verb(path + " --shutter 1ms,4ms,16ms --list" + writes);
     CHECK(sample::error_of(list).code == ErrorCode::Invalid);
-    CHECK_THAT(sample::error_of(list).message, Contains("leave it out, or --output and --force"));
+    CHECK_THAT(sample::error_of(list).message, Contains("leave out --list, or --output and --force"));
   }
   const auto outside = import_verb(path + " --shutter 1ms,4ms,16ms --list --allow-outside");
   CHECK(sample::error_of(outside).code == ErrorCode::Invalid);
