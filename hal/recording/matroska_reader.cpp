@@ -65,6 +65,7 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
   container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
   std::array<std::byte, 4> head{};
   const std::size_t known = TRY(container.stream->file().read_at(0, head));
+  if (known == 0) return Error{ErrorCode::Truncated, fmt::format("'{}' is empty; copy it again", path)};
   if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known),
                   matroska::kFileHead.begin()))
     return Error{

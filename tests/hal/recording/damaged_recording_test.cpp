@@ -41,6 +41,7 @@ TEST_CASE("a recording cut at any byte reads up to its last whole frame and says
     REQUIRE(replayed.is_start_of(made.frames));
     if (replayed.error) {
       REQUIRE(replayed.error->code == ErrorCode::Truncated);
+      REQUIRE((replayed.error->message.find("is empty; copy it again") != std::string::npos) == (cut == 0));
       if (expected > 0)
         REQUIRE(replayed.error->message.find(fmt::format("was cut after {}, or is still being written",
                                                          counted(expected, "whole frame"))) !=
