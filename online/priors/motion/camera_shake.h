@@ -51,7 +51,6 @@ class CameraShake {
   std::optional<Told> follow(int half, const Image<float>& predicted, float ratio);
   void find_edges(int half, const Level& level, const Image<float>& predicted, float ratio);
   static bool approach(const Level& level, Half& half, Told& told);
-  static bool agree(const Told& a, const Told& b);
 
   const float farthest_px_;
   std::vector<Level> levels_;  // from fine to coarse; the coarser ones are compared
