@@ -147,10 +147,7 @@ Result<void> DecodedCodes::take(const AVFrame& frame, Orientation orientation, I
   unpack(frame);
   if (converter_) TRY(convert());
   const Image<std::uint16_t>& result = converter_ ? converted_ : unpacked_;
-  if (swaps_sides(orientation))
-    codes.reshape(from_.planes(), frame.width, frame.height);
-  else
-    codes.reshape(from_.planes(), frame.height, frame.width);
+  reshape_upright(from_.planes(), frame.height, frame.width, orientation, codes);
   for (int c = 0; c < codes.channels(); ++c)
     place_upright({result.plane(c), result.cols(), frame.height, frame.width}, orientation, codes.plane(c));
   return {};

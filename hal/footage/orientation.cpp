@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hal/core/big_endian.h"
 #include "hal/footage/tiff_fields.h"
 
 namespace hdrcam {
@@ -76,8 +77,7 @@ Orientation orientation_in_png(std::span<const std::uint8_t> file) {
   constexpr std::size_t kSignatureBytes = 8, kLengthBytes = 4, kHeadBytes = 8, kChecksumBytes = 4;
   constexpr std::string_view kExif = "eXIf";
   for (std::size_t at = kSignatureBytes; at + kHeadBytes <= file.size();) {
-    std::size_t length = 0;
-    for (std::size_t i = 0; i < kLengthBytes; ++i) length = length << 8 | file[at + i];
+    const std::uint64_t length = big_endian(std::as_bytes(file.subspan(at, kLengthBytes)));
     const auto held = file.subspan(at + kHeadBytes);
     if (length > held.size()) break;
     if (std::ranges::equal(file.subspan(at + kLengthBytes, kExif.size()), kExif))
@@ -109,7 +109,11 @@ std::string describe(Orientation orientation) {
   return "not turned";
 }
 
-bool swaps_sides(Orientation orientation) { return stored_order(orientation).across; }
+void reshape_upright(int channels, int rows, int cols, Orientation orientation,
+                     Image<std::uint16_t>& upright) {
+  if (stored_order(orientation).across) std::swap(rows, cols);
+  upright.reshape(channels, rows, cols);
+}
 
 void place_upright(const StoredPlane& stored, Orientation orientation, std::uint16_t* upright) {
   constexpr int kTile = 64;  // sides of the squares that are read and written together, for the caches

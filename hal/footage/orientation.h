@@ -10,6 +10,7 @@
 #include <string>
 
 #include "hal/core/frame.h"
+#include "hal/core/image.h"
 
 namespace hdrcam {
 
@@ -36,8 +37,9 @@ Orientation orientation_in_png(std::span<const std::uint8_t> file);
 
 // "mirrored and turned by 90 degrees"; "not turned".
 std::string describe(Orientation orientation);
-// Whether rows become columns.
-bool swaps_sides(Orientation orientation);
+// Gives a picture the size that one of [rows, cols] has once it is upright.
+void reshape_upright(int channels, int rows, int cols, Orientation orientation,
+                     Image<std::uint16_t>& upright);
 
 // A plane of a picture as it is stored: [rows, cols], `stride` codes from one row to the next.
 struct StoredPlane {
@@ -46,7 +48,7 @@ struct StoredPlane {
   int rows = 0, cols = 0;
 };
 
-// upright: room for as many codes, rows contiguous; [cols, rows] where sides are swapped.
+// upright: room for as many codes, rows contiguous, of the size of reshape_upright.
 void place_upright(const StoredPlane& stored, Orientation orientation, std::uint16_t* upright);
 
 // The mosaic's pattern once it is upright; rows, cols: as stored. Rgb and Mono stay.

@@ -253,9 +253,7 @@ class RawStill : public PictureFile {
     const auto stride = static_cast<std::ptrdiff_t>(sizes.raw_pitch / sizeof(ushort));
     const StoredPlane stored{codes + sizes.top_margin * stride + sizes.left_margin, stride, sizes.height,
                              sizes.width};
-    const bool swapped = swaps_sides(facts_.orientation);
-    frame_.codes =
-        Image<std::uint16_t>(1, swapped ? stored.cols : stored.rows, swapped ? stored.rows : stored.cols);
+    reshape_upright(1, stored.rows, stored.cols, facts_.orientation, frame_.codes);
     place_upright(stored, facts_.orientation, frame_.codes.plane(0));
   }
 

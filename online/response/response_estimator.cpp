@@ -260,7 +260,7 @@ BlackLevel ResponseEstimator::found_black(const NoiseModel& noise, WorkerPool* p
   std::array<float, 3> found;
   for_each_channel(pool, [&](std::size_t c) { found[c] = find(c, 0); });
   const auto without = std::find(found.begin(), found.end(), 0.0f);
-  if (std::count(found.begin(), found.end(), 0.0f) == 1)
+  if (std::count(found.begin(), found.end(), 0.0f) == 1)  // the sum is of two
     *without = find(static_cast<std::size_t>(without - found.begin()), (found[0] + found[1] + found[2]) / 2);
   BlackLevel black;
   for (std::size_t c = 0; c < 3; ++c) black.set(c, found[c]);

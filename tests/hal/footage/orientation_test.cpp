@@ -24,9 +24,8 @@ namespace {
 constexpr std::uint16_t kFirst = 1, kLast = 8;  // of EXIF's numbers
 
 Image<std::uint16_t> upright(const Image<std::uint16_t>& stored, Orientation orientation) {
-  const bool swapped = swaps_sides(orientation);
-  Image<std::uint16_t> picture(stored.channels(), swapped ? stored.cols() : stored.rows(),
-                               swapped ? stored.rows() : stored.cols());
+  Image<std::uint16_t> picture;
+  reshape_upright(stored.channels(), stored.rows(), stored.cols(), orientation, picture);
   for (int c = 0; c < stored.channels(); ++c)
     place_upright({stored.plane(c), stored.cols(), stored.rows(), stored.cols()}, orientation,
                   picture.plane(c));
