@@ -38,6 +38,7 @@ struct FrameEstimate {
   float white;                     // radiance that saturates the shortest of them
   float unseen_variance;           // from which on a pixel of the state counts as unseen
   double reference_exposure;       // E_ref, seconds x gains
+  std::optional<ChannelGains> neutral_gains = {};  // of the radiance that leaves, so that white is neutral
 };
 
 }  // namespace hdrcam

@@ -212,7 +212,8 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
       .darkest = darkest(),
       .white = white(),
       .unseen_variance = unseen_variance(),
-      .reference_exposure = pending.frame.reference_exposure};
+      .reference_exposure = pending.frame.reference_exposure,
+      .neutral_gains = sensor_.neutral_gains()};
   watch.lap(Stage::LookAhead);
   return emit(estimate);
 }

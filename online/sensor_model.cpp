@@ -89,6 +89,7 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
   if (!response_stated_) black_level_ = estimate.black_level;
   if (!white_level_.is_largest_code())
     own_response_ = below_white(response_, black_level_, camera_black_level(), white_level_);
+  neutral_gains_ = estimate.neutral_gains;
   exposures_ = estimate.exposures;
   noise_origin_ = NoiseOrigin::Unknown;
   if (!estimate.noise || noise_kind_ != NoiseKind::Learned) return;

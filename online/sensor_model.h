@@ -80,6 +80,8 @@ class SensorModel {
   const std::vector<int>& relearned() const { return relearned_; }
   BlackLevel camera_black_level() const;  // in codes that the camera itself writes, as its white level
   const WhiteLevel& camera_white_level() const { return white_level_; }
+  // Of the radiance that leaves (ResponseEstimate::neutral_gains).
+  const std::optional<ChannelGains>& neutral_gains() const { return neutral_gains_; }
   const ExposureCorrections& exposures() const { return exposures_; }
   const NoiseModel& noise() const { return noise_; }  // at reference_gain()
   // False where no frames say anything about the noise yet, or are not asked: what was assumed stands in.
@@ -116,6 +118,7 @@ class SensorModel {
   std::optional<Response> own_response_;  // the camera's, where it is another one
   BlackLevel black_level_;                // where white is 255
   WhiteLevel white_level_;
+  std::optional<ChannelGains> neutral_gains_;
   ExposureCorrections exposures_;
   std::vector<int> relearned_;
   int begun_with_ = 0;  // the index of the first frame under this response

@@ -22,6 +22,8 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.exposure = static_cast<float>(frame.facts.exposure() / estimate.reference_exposure);  // as stated
   frame.reference_exposure = estimate.reference_exposure;
   frame.white = estimate.white;
+  frame.neutral_gains = estimate.neutral_gains;
+  frame.white_balance.reset();
   frame.pose = estimate.pose;
   frame.length_unit = estimate.length_unit;
   frame.lens = estimate.view.lens;

@@ -41,6 +41,7 @@ struct HdrFrameHead {
   float exposure = 1;                          // E / E_ref of the frame it belongs to
   double reference_exposure = 1;               // E_ref, seconds x gains
   float white = 1;                             // radiance that saturates the shortest exposure of the cycle
+  std::optional<ChannelGains> neutral_gains;   // to be applied, so that white is neutral; none where it is
   std::optional<ChannelGains> white_balance;   // applied to the radiance; none: the camera's own colours
   std::optional<FramePose> pose;               // none where it is not known
   LengthUnit length_unit = LengthUnit::Metre;  // of pose, depth and points

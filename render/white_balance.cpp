@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 #include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
@@ -64,6 +66,14 @@ void apply_white_balance(const ChannelGains& gains, HdrFrame& frame) {
     for (std::size_t c = 0; c < 3; ++c) point.radiance[c] *= factor[c];
   frame.white *= *std::ranges::max_element(factor);
   frame.white_balance = gains;
+}
+
+void balance_colours(const std::optional<ChannelGains>& wanted, HdrFrame& frame) {
+  const std::optional<ChannelGains> neutral = std::exchange(frame.neutral_gains, std::nullopt);
+  if (!neutral && !wanted) return;
+  ChannelGains gains = wanted.value_or(ChannelGains{1, 1, 1});
+  if (neutral) std::ranges::transform(gains, *neutral, gains.begin(), std::multiplies());
+  apply_white_balance(gains, frame);
 }
 
 }  // namespace hdrcam

@@ -30,4 +30,7 @@ Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& want
 // channel.
 void apply_white_balance(const ChannelGains& gains, HdrFrame& frame);
 
+// The same by the frame's own neutral gains, which it then has no more, and by those that are wanted.
+void balance_colours(const std::optional<ChannelGains>& wanted, HdrFrame& frame);
+
 }  // namespace hdrcam

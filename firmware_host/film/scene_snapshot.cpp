@@ -33,7 +33,7 @@ namespace {
 
 constexpr SectionFormat kFormat{.what = "a snapshot of a scene",
                                 .magic = {'\x89', 'H', 'D', 'R', 'S', 'C', 'N', '\n'},
-                                .version = 1,
+                                .version = 2,
                                 .mend = "copy it again, or save it again with --snapshot"};
 constexpr std::string_view kHead = "scene", kResponse = "response", kInput = "input";
 constexpr std::size_t kMostFrames = WindowOptions::kMostFrames;  // a run keeps those of the field's window
@@ -48,6 +48,7 @@ bool is_possible(const Keyframe& key, const SceneHead& scene) {
   if (objection_to(frame.facts, nullptr) || objection_to(key.lens, scene.camera.width, scene.camera.height))
     return false;
   if (frame.lens && objection_to(*frame.lens, scene.camera.width, scene.camera.height)) return false;
+  if (frame.neutral_gains && objection_to(*frame.neutral_gains)) return false;
   if (frame.pose && !is_possible_pose(frame.pose->T_world_camera)) return false;
   return std::isfinite(key.time_s) && is_possible_pose(key.T_world_camera) &&
          positive(static_cast<double>(key.depth_unit)) && positive(static_cast<double>(frame.exposure)) &&

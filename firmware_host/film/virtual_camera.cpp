@@ -274,7 +274,8 @@ void VirtualCamera::label(int frame) {
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
   state_camera(interval, plan_.playback_s(frame));
-  if (white_balance_) apply_white_balance(*white_balance_, frame_);
+  if (plan_.exposure) frame_.neutral_gains.reset();  // the response makes the camera's own codes of the light
+  balance_colours(white_balance_, frame_);
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
   frame_.facts.exposure_s = exposure;

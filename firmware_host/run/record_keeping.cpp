@@ -143,6 +143,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   if (const WhiteLevel& white = sensor.camera_white_level(); !white.is_largest_code())
     record.notes.push_back(
         fmt::format("white level: {:.1f}, {:.1f}, {:.1f} codes of 255", white[0], white[1], white[2]));
+  if (sensor.neutral_gains())
+    record.notes.push_back(fmt::format(
+        "colour: white is smeared by compression or demosaicing, so R, G and B are multiplied by {:.3f}",
+        fmt::join(*sensor.neutral_gains(), ", ")));
   note_fallbacks(online, record);
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format("{} kept out of the fit: exposure not proved, or pixels damaged",

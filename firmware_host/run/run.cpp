@@ -227,7 +227,7 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
   if (film_) {
     TRY(film_->take(hdr, estimate, sensor().camera_response(), show_));
   } else {
-    if (white_balance_) apply_white_balance(*white_balance_, hdr);
+    balance_colours(white_balance_, hdr);
     const bool previews = !governor_ || governor_->previews();
     TRY(sinks_.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
   }

@@ -43,4 +43,12 @@ const CurvePrior& curve_prior() {
   return kPrior;
 }
 
+double expected_white(const Eigen::VectorXd& g, int code) {
+  const auto& [mean, precision] = curve_prior();
+  const Eigen::Index beyond = kKnots - code;
+  const Eigen::VectorXd pull = precision.bottomLeftCorner(beyond, code) * (g - mean).head(code);
+  const Eigen::VectorXd above = precision.bottomRightCorner(beyond, beyond).llt().solve(pull);
+  return mean[kKnots - 1] - above[beyond - 1];
+}
+
 }  // namespace hdrcam

@@ -14,4 +14,7 @@ struct CurvePrior {
 
 const CurvePrior& curve_prior();
 
+// g of the largest code as the prior expects it of a curve with this g up to a code.
+double expected_white(const Eigen::VectorXd& g, int code);
+
 }  // namespace hdrcam

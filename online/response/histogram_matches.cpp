@@ -214,6 +214,7 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
     const SparseChannel dark =
         blur.any() ? SparseChannel{blurred, 0, step} : SparseChannel{shorter.codes, channel, step};
     const SparseChannel light{longer.codes, channel, step};
+    smeared_white_[c].add(shorter.codes, longer.codes, channel, step);
     if (bounds != BlackBounds::Kept) bound_black(c, dark.plain_codes(), bounds);
     found[c] = matches_between(dark.median_codes(), light.median_codes(), scratch);
     if (!too_few(found[c].codes, share_in_both(dark, light) * kQuantiles)) continue;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "capture/exposed_frame.h"
+#include "online/response/smeared_white.h"
 
 namespace hdrcam {
 
@@ -65,6 +66,8 @@ class HistogramMatches {
   float darkest(std::size_t channel) const { return darkest_[channel]; }
   float most_black(std::size_t channel) const { return most_black_[channel]; }
 
+  const SmearedWhite& smeared_white(std::size_t channel) const { return smeared_white_[channel]; }
+
  private:
   struct OfFrames {  // of a channel
     std::vector<CodeMatch> codes;
@@ -89,6 +92,7 @@ class HistogramMatches {
   int pairs_ = 0;
   std::optional<float> shortest_;  // exposure
   std::array<float, 3> darkest_{}, most_black_{};
+  std::array<SmearedWhite, 3> smeared_white_;
   std::array<OfChannel, 3> matches_;
 };
 

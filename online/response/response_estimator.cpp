@@ -216,6 +216,27 @@ Response network_response(const HistogramMatches& matches, const BlackLevel& bla
   return Response(curves_of(g));
 }
 
+// What histograms match codes near a smeared white with is brighter than the curve there, in each channel by
+// another factor; what they match lower codes with leads to white by the curves of real cameras. The curves
+// stay: of such a code the brighter light is the one to expect.
+std::optional<ChannelGains> neutral_gains(const HistogramMatches& matches, const Fit& fit) {
+  constexpr double kSmeared = 0.02;  // of the white pixels; without compression or demosaicing below .01
+  constexpr int kLastUsed = 215;     // code
+  constexpr double kMost = 1.4;      // ln x: two stops; what seems to be more is no smear
+  double smeared = 0;
+  for (std::size_t c = 0; c < 3; ++c) smeared = std::max(smeared, matches.smeared_white(c).share());
+  if (smeared <= kSmeared) return std::nullopt;
+  Eigen::Vector3d beyond;  // ln x: by how much the curve's white is brighter than the expected one
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Vector& g = fit.curves[c].g;
+    beyond[static_cast<Eigen::Index>(c)] = g[kKnots - 1] - expected_white(g, kLastUsed);
+  }
+  ChannelGains gains;
+  const Eigen::Array3d apart = (beyond.array() - beyond.mean()).max(-kMost).min(kMost);
+  Eigen::Map<Eigen::Array3d>(gains.data()) = (apart - apart.mean()).exp();
+  return gains;
+}
+
 ExposureCorrections corrections_of(const Vector& shared, const HistogramMatches& matches) {
   ExposureCorrections exposures;
   Eigen::Index at = shared_unknowns::kExposures;  // ascending, as the keys
@@ -247,7 +268,7 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
   const Fit fit = solve(matches_, noise_levels_.levels(), black, noise, pool);
   const auto& [red, green, blue] = fit.curves;
   return {Response(curves_of({red.g, green.g, blue.g}), uncertainty_of(fit, pool)), black,
-          corrections_of(fit.shared, matches_), fit.seen};
+          corrections_of(fit.shared, matches_), fit.seen, neutral_gains(matches_, fit)};
 }
 
 BlackLevel ResponseEstimator::found_black(const NoiseModel& noise, WorkerPool* pool) const {

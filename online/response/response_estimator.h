@@ -29,6 +29,9 @@ struct ResponseEstimate {
   BlackLevel black_level;
   ExposureCorrections exposures;
   std::optional<NoiseModel> noise;  // where the frames show the sensor's own (noise_levels.h)
+  // Of the radiance, R G B, so that white is neutral, where the curves make it coloured because clipped
+  // pixels are smeared (smeared_white.h); their product is 1.
+  std::optional<ChannelGains> neutral_gains = {};
 };
 
 // What the curve may be.

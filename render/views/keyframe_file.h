@@ -18,7 +18,8 @@ void list_fields(auto& fields, Pose& pose) {
 
 template <Either<HdrFrameHead> Head>
 void list_fields(auto& fields, Head& head) {
-  fields(head.facts, head.exposure, head.reference_exposure, head.white, head.white_balance, head.pose);
+  fields(head.facts, head.exposure, head.reference_exposure, head.white, head.neutral_gains,
+         head.white_balance, head.pose);
   fields.word(head.length_unit, LengthUnit::Unknown);
   fields(head.lens, head.lens_is_assumed);
 }

@@ -2,6 +2,8 @@
 
 #include "tests/firmware_host/sinks/example_frames.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -43,6 +45,21 @@ TEST_CASE("what is clipped in all exposures stays white, and what is a true colo
   CHECK(shown(1) == std::array<float, 3>{24, 24, 15});
   CHECK(shown(2) == std::array<float, 3>{24, 16, 15});
   CHECK(shown(3) == std::array<float, 3>{4, 3, 6});
+}
+
+TEST_CASE("the light that leaves is neutral where white is, and balanced as it is wanted") {
+  HdrFrame frame = test::example_frame(1);
+  frame.neutral_gains = ChannelGains{0.5, 1, 2};
+  balance_colours(ChannelGains{2, 1, 1.5}, frame);
+  CHECK(frame.white_balance == ChannelGains{1, 1, 3});
+  CHECK_FALSE(frame.neutral_gains);  // they are applied
+  balance_colours(std::nullopt, frame);
+  CHECK(frame.white_balance == ChannelGains{1, 1, 3});
+
+  HdrFrame neutral = test::example_frame(1);
+  balance_colours(std::nullopt, neutral);
+  CHECK_FALSE(neutral.white_balance);
+  CHECK(std::ranges::equal(neutral.radiance.samples(), test::example_frame(1).radiance.samples()));
 }
 
 TEST_CASE("a white balance that the camera does not state is an error where it is wanted") {

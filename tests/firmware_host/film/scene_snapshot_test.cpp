@@ -31,6 +31,7 @@ Keyframe keyframe(int number) {
   key.frame.facts.exposure_s = 0.004;
   key.frame.reference_exposure = 0.004;
   key.frame.white = 4;
+  key.frame.neutral_gains = ChannelGains{1.25, 1, 0.8};
   key.frame.pose.emplace();
   key.time_s = key.frame.facts.timestamp.seconds();
   key.lens = {1.0 * kCols, 1.0 * kCols, kCols / 2.0, kRows / 2.0};
@@ -128,6 +129,7 @@ TEST_CASE("a scene comes back from its file to the bit", "[film]") {
     CHECK(is.time_s == was.time_s);
     CHECK(is.frame.facts.sequence == was.frame.facts.sequence);
     CHECK(is.frame.white == was.frame.white);
+    CHECK(is.frame.neutral_gains == was.frame.neutral_gains);
     CHECK(same(is.frame.radiance, was.frame.radiance));
     CHECK(same(is.frame.provenance, was.frame.provenance));
     CHECK(same(is.inverse_depth, was.inverse_depth));
@@ -228,6 +230,7 @@ TEST_CASE("values that no scene has are refused, though their checksums are righ
   CHECK_THAT(told([](Written& w) { w.head.frames[2].T_world_camera.R.setZero(); }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.frames[2].lens.fx_px = 0; }), kHead);
   CHECK_THAT(told([&](Written& w) { w.head.frames[0].frame.white = kNoNumber; }), kHead);
+  CHECK_THAT(told([&](Written& w) { w.head.frames[0].frame.neutral_gains = ChannelGains{1, 0, 1}; }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.frames[0].depth_unit = 0; }), kHead);
   CHECK_THAT(told([&](Written& w) { w.head.frames[0].frame.radiance.at(1, 2, 3) = kNoNumber; }),
              Contains("section 'frame': it holds a value that no picture has"));

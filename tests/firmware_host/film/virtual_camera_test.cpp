@@ -52,6 +52,7 @@ struct Recorded {
   float gamma = 2.2f;                     // of the response with which it was estimated
   std::optional<double> edges_px = {};    // or edges that did
   double exposure_s = 0;
+  std::optional<ChannelGains> neutral_gains = {};
 };
 
 float texture(double x, double y) {
@@ -93,6 +94,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
     frame.facts.timestamp = Instant::from_seconds(seen.time_s);
     frame.facts.exposure_s = seen.exposure_s;
     frame.white = 100;
+    frame.neutral_gains = seen.neutral_gains;
     frame.radiance = Image<float>(3, kRows, kCols), frame.radiance.fill(seen.radiance);
     if (seen.texture_px || seen.edges_px)
       for (int c = 0; c < 3; ++c)
@@ -192,6 +194,23 @@ TEST_CASE("a film's frame is exposed anew through the response with which its ow
   REQUIRE(shown.size() == 3);
   CHECK(shown[1].radiance == Approx(shown[0].radiance));
   CHECK(shown[2].radiance > 1.5f * shown[1].radiance);
+}
+
+TEST_CASE("a film's light is neutral where white is, and the codes of pictures exposed anew are the camera's",
+          "[film]") {
+  FilmPlan plan = planned(0, 1, 10);
+  const Recorded recorded[] = {
+      {.time_s = 0, .radiance = 0.25f, .gamma = 1, .neutral_gains = ChannelGains{2, 1, 0.5}},
+      {.time_s = 0.25, .radiance = 0.25f, .gamma = 1}};
+  CHECK(filmed(plan, recorded)[0].radiance == 0.5f);
+  plan.exposure = 0;  // the reference exposure
+  const float as_camera = filmed(plan, recorded)[0].radiance;
+  plan.exposure = std::nullopt;
+  const Recorded neutral[] = {{.time_s = 0, .radiance = 0.25f, .gamma = 1},
+                              {.time_s = 0.25, .radiance = 0.25f, .gamma = 1}};
+  CHECK(filmed(plan, neutral)[0].radiance == 0.25f);
+  plan.exposure = 0;
+  CHECK(filmed(plan, neutral)[0].radiance == as_camera);
 }
 
 TEST_CASE("where tracking began anew, a film's frame has the pose and the picture of the nearest one",

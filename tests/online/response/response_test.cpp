@@ -75,6 +75,41 @@ Image<float> another_scene(int rows, int cols, float mean, float contrast) {
 
 }  // namespace
 
+TEST_CASE("a channel whose white is smeared makes no light coloured") {
+  // The same light and the same curve in all channels; blocks of blue are brighter or darker, as coarse steps
+  // of colour make them.
+  const bool is_smeared = GENERATE(true, false);
+  CAPTURE(is_smeared);
+  const Response response = Response::gamma(2.2f);
+  const auto of_block = [](int y, int x, int size, int key) {
+    return static_cast<float>(
+        test::MovingScene::noise(static_cast<std::uint64_t>(((key * 1000) + y / size) * 1000 + x / size)));
+  };
+  std::vector<ExposedFrame> frames;
+  for (int i = 0; i < 6; ++i) {
+    const float exposure = i % 2 == 0 ? 2 : 32;
+    frames.push_back(frame_of(exposure, [&](int c, int y, int x) {
+      const float light = std::exp2(-7 + 2.2f * of_block(y, x, 12, 1));
+      const float code = response.code_of(c, std::min(1.f, exposure * light));
+      const float step = is_smeared && c == 2 ? 8 * of_block(y, x, 8, 2 + i) : 0;
+      return std::round(std::clamp(code + step, 0.f, 255.f));
+    }));
+  }
+  const ResponseEstimate found = estimated(frames);
+  const auto middle = [&](int c) { return static_cast<double>(found.response.exposure_of(c, 127)); };
+  CHECK(found.neutral_gains.has_value() == is_smeared);
+  const double coloured = std::log2(middle(1) / middle(2));
+  if (!found.neutral_gains) {
+    CHECK(std::abs(coloured) < 0.02);
+    return;
+  }
+  const ChannelGains& gains = *found.neutral_gains;
+  CHECK(coloured > 0.3);
+  CHECK(std::abs(coloured - std::log2(gains[2] / gains[1])) < 0.5 * coloured);
+  CHECK(gains[0] == Approx(gains[1]).epsilon(0.02));
+  CHECK(gains[0] * gains[1] * gains[2] == Approx(1));
+}
+
 TEST_CASE("a response is strictly monotone and inverts itself") {
   struct Row {
     float exponent, within;  // codes; an exponent of 4 has dark codes closer than the forward table: .18
