@@ -46,7 +46,8 @@ TEST_CASE("codes below white are counted where the shorter exposure is far brigh
 
 TEST_CASE("what moved between two exposures is not taken for a white that is smeared") {
   CHECK(Pictures{.moved_px = 2, .every_tenth = 255}.share() == 0);
-  CHECK(Pictures{.moved_px = 12, .every_tenth = 255, .beside_it = 100}.share() == 0);  // another light is seen there
+  CHECK(Pictures{.moved_px = 12, .every_tenth = 255, .beside_it = 100}.share() ==
+        0);  // another light is seen there
 }
 
 TEST_CASE("a picture that is hardly white, or nearly all of it, tells nothing of a smeared white") {
