@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 // A sanitizer brings operators of its own; a build with one counts nothing.
@@ -19,7 +20,10 @@ extern "C" const char __executable_start, etext;  // of the linker: where this p
 
 namespace {
 
+constexpr std::size_t kNoneIsRefused = std::numeric_limits<std::size_t>::max();
+
 std::atomic<std::uint64_t> allocations{0}, own_allocations{0};
+thread_local std::size_t refused_from_bytes = kNoneIsRefused;
 
 bool is_own_code(const void* address) { return address >= &__executable_start && address < &etext; }
 
@@ -28,6 +32,7 @@ bool is_own_code(const void* address) { return address >= &__executable_start &&
   allocations.fetch_add(1, std::memory_order_relaxed);
   if (is_own_code(caller)) own_allocations.fetch_add(1, std::memory_order_relaxed);
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
+  if (size >= refused_from_bytes) throw std::bad_alloc();
   void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
@@ -87,5 +92,9 @@ bool allocations_are_counted() {
 }
 
 std::uint64_t own_allocations_so_far() { return own_allocations.load(std::memory_order_relaxed); }
+
+EndOfMemory::EndOfMemory(std::size_t refused_bytes) { refused_from_bytes = refused_bytes; }
+
+EndOfMemory::~EndOfMemory() { refused_from_bytes = kNoneIsRefused; }
 
 }  // namespace hdrcam

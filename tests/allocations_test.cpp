@@ -45,3 +45,28 @@ TEST_CASE("the counter sees every way in which this program allocates, on any th
   std::thread([] { std::make_unique<std::string>(200, 'x')->back() = 'y'; }).join();
   CHECK(own_allocations_so_far() > between);
 }
+
+TEST_CASE("where memory is made to end only this thread's large blocks are refused, and only for that time") {
+  if (!allocations_are_counted()) {
+    NOT_TESTED("a sanitizer brings operators of its own: memory does not end in this build");
+    return;
+  }
+  const auto refused = [](std::size_t bytes) {
+    void* const memory = ::operator new(bytes, std::nothrow);
+    const bool none = memory == nullptr;
+    ::operator delete(memory);
+    return none;
+  };
+  bool here = false, small = true, elsewhere = true;
+  std::thread other;
+  {
+    const EndOfMemory end_of_memory(4096);
+    here = refused(4096), small = refused(4095);
+    other = std::thread([&] { elsewhere = refused(4096); });
+    other.join();
+  }
+  CHECK(here);
+  CHECK_FALSE(small);
+  CHECK_FALSE(elsewhere);
+  CHECK_FALSE(refused(4096));
+}
