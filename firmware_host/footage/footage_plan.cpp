@@ -181,6 +181,8 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   plan.times = TRY(take_times(seen, request.framerate_hz));
   plan.camera = seen.camera, plan.about = seen.about, plan.primaries = seen.primaries;
   plan.orientations = seen.orientations, plan.oblique = seen.oblique;
+  plan.camera.turned_upright =
+      !std::ranges::all_of(plan.orientations, keeps_order_of_rows, &OrientedFile::orientation);
   plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))
     return Error{ErrorCode::Invalid,

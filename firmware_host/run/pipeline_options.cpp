@@ -66,7 +66,13 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
 
 Result<void> check_readout(const Settings::Fit& fit, const CameraFacts& camera) {
   constexpr double kAlmost = 1.001;  // of the interval, which is rounded
-  if (fit.readout.empty() || fit.readout == kOff || !(camera.framerate_hz > 0)) return {};
+  if (fit.readout.empty() || fit.readout == kOff) return {};
+  if (camera.turned_upright)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--readout is of rows that are read out from top to bottom, and the pictures of "
+                             "'{}' were turned when they were imported; leave it out",
+                             camera.name)};
+  if (!(camera.framerate_hz > 0)) return {};
   const Duration interval = from_seconds(1 / camera.framerate_hz),
                  asked = parse_duration(fit.readout).value();
   if (to_seconds(asked) <= kAlmost * to_seconds(interval)) return {};

@@ -59,6 +59,8 @@ struct CameraFacts {
   std::vector<std::vector<double>> response;  // [rgb][256] code/max -> relative exposure, empty if unknown
   // What the camera would multiply its codes with to make the scene's light grey, G = 1. It is not applied.
   std::optional<ChannelGains> white_balance;
+  // The pictures of a clip were turned when it was imported: its rows were not read out from top to bottom.
+  bool turned_upright = false;
 };
 
 // The facts of one frame. Exposure product E = exposure_s * analogue_gain * digital_gain.

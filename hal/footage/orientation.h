@@ -35,6 +35,11 @@ std::optional<Orientation> orientation_of_matrix(const std::array<std::int32_t, 
 Orientation orientation_in_tiff(std::span<const std::uint8_t> file);
 Orientation orientation_in_png(std::span<const std::uint8_t> file);
 
+// Whether rows that were read out from top to bottom are still so once the picture is upright.
+constexpr bool keeps_order_of_rows(Orientation orientation) {
+  return orientation == Orientation::Upright || orientation == Orientation::Mirrored;
+}
+
 // "mirrored and turned by 90 degrees"; "not turned".
 std::string describe(Orientation orientation);
 // Gives a picture the size that one of [rows, cols] has once it is upright.

@@ -174,10 +174,12 @@ Result<CameraFacts> camera_of(const Fields& clip) {
     if (!layout) return clip.wrong("layout", "it is one of rgb, mono, rggb, grbg, gbrg, bggr");
     camera.layout = *layout;
   }
-  if (clip.has("linear")) {
-    if (!clip.at("linear").is_boolean()) return clip.wrong("linear", "it is true or false");
-    camera.linear = clip.at("linear").get<bool>();
-  }
+  for (const auto& [key, fact] :
+       {std::pair{"linear", &camera.linear}, std::pair{"turned_upright", &camera.turned_upright}})
+    if (clip.has(key)) {
+      if (!clip.at(key).is_boolean()) return clip.wrong(key, "it is true or false");
+      *fact = clip.at(key).get<bool>();
+    }
   if (clip.has("fx"))
     camera.intrinsics = Intrinsics{TRY(clip.number("fx")), TRY(clip.number("fy")), TRY(clip.number("cx")),
                                    TRY(clip.number("cy"))};
@@ -322,6 +324,7 @@ std::string clip_to_json(const Clip& clip) {
   if (camera.linear) head["linear"] = true;
   if (!camera.response.empty()) head["response"] = camera.response;
   if (camera.white_balance) head["white_balance"] = *camera.white_balance;
+  if (camera.turned_upright) head["turned_upright"] = true;
 
   const auto told = slots_of(clip.frames);
   bool with_slots = false;

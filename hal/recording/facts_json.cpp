@@ -64,6 +64,8 @@ CameraFacts camera_of(const Json& json) {
     auto& balance = camera.white_balance.emplace();
     for (std::size_t c = 0; c < balance.size(); ++c) balance[c] = number(gains->at(c));
   }
+  if (const auto turned = json.find("turned_upright"); turned != json.end())
+    camera.turned_upright = turned->get<bool>();
   return camera;
 }
 
@@ -115,6 +117,7 @@ std::string to_json(const CameraFacts& camera, RecordingCodec codec) {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
   if (!camera.response.empty()) json["response"] = camera.response;
   if (camera.white_balance) json["white_balance"] = *camera.white_balance;
+  if (camera.turned_upright) json["turned_upright"] = true;
   return json_text(json);
 }
 

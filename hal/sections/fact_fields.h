@@ -47,6 +47,7 @@ void list_fields(auto& fields, Facts& facts) {
   fields(facts.exposure_within_ev, facts.flags, facts.T_world_camera);
 }
 
+// Without turned_upright: nothing that starts from a file of sections is corrected for a read-out.
 template <Either<CameraFacts> Facts>
 void list_fields(auto& fields, Facts& camera) {
   fields(camera.name, camera.width, camera.height, camera.framerate_hz, camera.bits);

@@ -313,6 +313,26 @@ TEST_CASE("pictures of a camera that was held otherwise are recorded upright, an
   CHECK(recorded.frames[0].codes.cols() == 128);
 }
 
+TEST_CASE("a recording of pictures that were turned keeps that, and a run refuses to correct its rows") {
+  const std::pair<std::uint16_t, bool> turned_by[] = {{1, false}, {2, false}, {3, true}, {6, true}};
+  for (const auto& [last, turned] : turned_by) {
+    CAPTURE(last);
+    const std::uint16_t first = last == 6 ? 6 : 1;  // all have one size once they are upright
+    const std::string folder =
+        write_oriented_bracket("import_rows", {first, first, first, first, first, last});
+    const std::string recording = folder + "/x.mkv";
+    REQUIRE(import_verb(folder + " -o " + recording).ok());
+    const auto reader = open_recording(posix_storage(), recording);
+    REQUIRE(reader.ok());
+    CHECK(reader.value()->camera().turned_upright == turned);
+    if (!turned) continue;
+    const test::Ran replayed =
+        test::ran({"replay", recording, "-o", folder + "/%04d.exr", "--readout", "10ms"});
+    CHECK(replayed.exit_code != 0);
+    CHECK_THAT(replayed.output, Contains("--readout") && Contains("were turned when they were imported"));
+  }
+}
+
 TEST_CASE("an orientation that only some pictures state is told wherever in the clip it comes") {
   const std::string folder = write_oriented_bracket("import_turned", {1, 1, 1, 1, 3, 1});
   for (const std::string& output : outputs_of_import(folder)) {

@@ -4,6 +4,7 @@
 #include <new>
 #include <vector>
 
+#include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/run/record_keeping.h"
 #include "tests/contracts/expect.h"
 #include "tests/support/moving_scene.h"
@@ -223,6 +224,27 @@ TEST_CASE(
     with.settings.fit.readout = possible;
     require_done(run(with, another, posix_storage()));
   }
+}
+
+TEST_CASE("pictures that import turned have no rows to correct, and asking for it is refused") {
+  CameraFacts camera;
+  camera.name = "walk", camera.turned_upright = true;
+  Settings::Fit fit;
+  fit.readout = "12ms";
+  const Result<void> refused = check_readout(fit, camera);
+  require_error(refused, ErrorCode::Invalid);
+  CHECK(refused.error().message ==
+        "--readout is of rows that are read out from top to bottom, and the pictures of 'walk' were turned "
+        "when they were imported; leave it out");
+  camera.framerate_hz = 0;  // not known
+  require_error(check_readout(fit, camera), ErrorCode::Invalid);
+  for (const char* none : {"", "off"}) {
+    fit.readout = none;
+    require_done(check_readout(fit, camera));
+  }
+  camera.turned_upright = false;
+  fit.readout = "12ms";
+  require_done(check_readout(fit, camera));
 }
 
 TEST_CASE("a source that ends early is the reason, and what came before is emitted and concluded") {

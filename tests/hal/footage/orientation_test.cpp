@@ -90,6 +90,16 @@ TEST_CASE("each of EXIF's orientations is turned upright, whatever the size") {
   CHECK(are_same(upright(stored, Orientation::QuarterTurn), numbered(2, 3)));
 }
 
+TEST_CASE("rows keep their order where a picture is as it was stored, or only mirrored left to right") {
+  Image<std::uint16_t> stored(1, 2, 2);
+  std::ranges::copy(std::array<std::uint16_t, 4>{1, 1, 2, 2}, stored.samples().begin());  // numbers of rows
+  for (std::uint16_t number = kFirst; number <= kLast; ++number) {
+    CAPTURE(number);
+    const Orientation orientation = orientation_of_exif(number);
+    CHECK(keeps_order_of_rows(orientation) == are_same(upright(stored, orientation), stored));
+  }
+}
+
 TEST_CASE("numbers that EXIF does not know turn nothing") {
   for (const double number : {0.0, 9.0, 65535.0, 1e300, -1.0})
     CHECK(orientation_of_exif(number) == Orientation::Upright);

@@ -72,6 +72,7 @@ TEST_CASE("a recording of an earlier version reads as it did") {
   const auto camera = camera_from_json(kEarlyCamera);
   REQUIRE(camera.ok());
   CHECK_FALSE(camera.value().white_balance);
+  CHECK_FALSE(camera.value().turned_upright);
   CHECK(to_json(3, early.value().facts, 8) == kEarlyFacts);  // and is written as it was
   CHECK(to_json(camera.value(), RecordingCodec::Ffv1) == kEarlyCamera);
 }

@@ -477,6 +477,7 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
       camera.linear = bits == 16;
       camera.response.assign(3, std::vector<double>(256, 1.0 / 3.0));
       camera.white_balance = ChannelGains{2.1, 1, 1.0 / 0.7};
+      camera.turned_upright = bits == 11;
       const auto frames = sample::frames(camera, 7, 3);
       auto writer = ImageSequenceWriter::create(posix_storage(), folder, camera);
       REQUIRE(writer.ok());
@@ -491,6 +492,7 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
       CHECK(clip.value().camera().linear == camera.linear);
       CHECK(clip.value().camera().response == camera.response);
       CHECK(clip.value().camera().white_balance == camera.white_balance);
+      CHECK(clip.value().camera().turned_upright == camera.turned_upright);
       CHECK(sample::same_bits(clip.value().camera().framerate_hz, camera.framerate_hz));
       REQUIRE(clip.value().frame_count() == 7);
       for (int i = 0; i < 7; ++i) {

@@ -65,6 +65,7 @@ TEST_CASE("a recording gives back the camera facts and knows how many frames it 
   camera.linear = true;
   camera.intrinsics = Intrinsics{100.1 + 0.2, 100 + 1.0 / 3.0, 18.5, 1e-300};
   camera.white_balance = ChannelGains{2.1, 1, 1.0 / 0.7};
+  camera.turned_upright = true;
   camera.response.assign(3, std::vector<double>(256));
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 256; ++i) camera.response[c][i] = static_cast<double>(i * (c + 1)) / 765.1;
@@ -86,6 +87,7 @@ TEST_CASE("a recording gives back the camera facts and knows how many frames it 
   CHECK(sample::same_bits(read.intrinsics->cy_px, 1e-300));
   CHECK(read.response == camera.response);
   CHECK(read.white_balance == camera.white_balance);
+  CHECK(read.turned_upright);
   CHECK(reader.value()->frame_count() == 40);
 }
 
