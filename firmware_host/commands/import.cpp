@@ -23,6 +23,7 @@
 #include "hal/core/counted.h"
 #include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
+#include "hal/footage/orientation.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -150,6 +151,21 @@ Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportO
   return facts;
 }
 
+// The images of a clip.json are read as they are stored, because its size, lens and poses are of those. The
+// first one tells of the others.
+void tell_orientation(Storage& storage, const std::string& first_image) {
+  const auto file = read_whole(storage, first_image);
+  if (!file) return;  // it changed since it was read
+  const std::string& bytes = file.value();
+  const Orientation stated =
+      orientation_in_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  if (stated != Orientation::Upright)
+    remark(
+        "warning: '{}' states that it is to be shown {}, which is not applied; the images of a clip.json are "
+        "taken as they are stored, as are its size, lens and poses\n",
+        first_image, describe(stated));
+}
+
 Result<void> list_clip(Surroundings& around, const ImportOptions& options, ImageSequence clip) {
   CameraFacts camera = clip.camera();
   camera.name = printable(camera.name.empty() ? options.footage.files.front() : camera.name);
@@ -167,13 +183,20 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options, con
   const std::string& path = options.footage.files.front();
   auto clip = TRY(ImageSequence::open(around.storage, path,
                                       options.allow_outside ? ClipReach::Anywhere : ClipReach::BelowFolder));
-  if (options.list) return list_clip(around, options, std::move(clip));
+  const std::string first_image = clip.path_of(0);
+  if (options.list) {
+    TRY(list_clip(around, options, std::move(clip)));
+    tell_orientation(around.storage, first_image);
+    return {};
+  }
   TRY(options.kept.check(around.storage, files_of(clip),
                          {{"--output", options.output, OutputKind::Recording}}));
   TRY(admit_copy(
       settings, clip.camera(),
       {CopyKind::Stills, most_waiting(static_cast<std::size_t>(clip.frame_count())), settings.record.codec}));
-  return write_recording(around, options, settings, reader_of(std::move(clip)), "");
+  TRY(write_recording(around, options, settings, reader_of(std::move(clip)), ""));
+  tell_orientation(around.storage, first_image);
+  return {};
 }
 
 // What a file that may be footage is as a recording: of a video or a picture none.

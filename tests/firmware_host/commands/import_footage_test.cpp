@@ -11,6 +11,8 @@
 #include "tests/support/ran.h"
 #include "tests/support/stored_as.h"
 
+#include "tests/support/png_exif.h"
+
 #include "tests/firmware_host/commands/footage_imports.h"
 
 using namespace hdrcam;
@@ -331,6 +333,24 @@ TEST_CASE("a recording of pictures that were turned keeps that, and a run refuse
     CHECK(replayed.exit_code != 0);
     CHECK_THAT(replayed.output, Contains("--readout") && Contains("were turned when they were imported"));
   }
+}
+
+TEST_CASE("images of a clip.json stay as they are stored, and import says so where they state otherwise") {
+  const std::string folder = sample::scratch_folder("import_clip_turned"), first = folder + "/ldr/0000.png";
+  auto clip = value_of(ImageSequenceWriter::create(posix_storage(), folder, scene().camera()));
+  for (int i = 0; i < 6; ++i) require_done(clip.append(scene().frame(i)));
+  require_done(clip.finish());
+  for (const std::string& output : outputs_of_import(folder)) CHECK_THAT(output, !Contains("to be shown"));
+  std::filesystem::remove(folder + "/x.mkv");
+  test::add_exif_to_png(first, 6);
+  for (const std::string& output : outputs_of_import(folder))
+    CHECK_THAT(output,
+               Contains("warning: '" + first +
+                        "' states that it is to be shown turned by 90 degrees, which is not applied"));
+  const auto recorded = sample::replay(posix_storage(), folder + "/x.mkv");
+  REQUIRE(recorded.frames.size() == 6);
+  CHECK(recorded.frames[0].codes.cols() == 128);
+  CHECK_FALSE(value_of(open_recording(posix_storage(), folder + "/x.mkv"))->camera().turned_upright);
 }
 
 TEST_CASE("an orientation that only some pictures state is told wherever in the clip it comes") {

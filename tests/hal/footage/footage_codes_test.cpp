@@ -2,7 +2,6 @@
 #include "hal/footage/footage.h"
 
 #include <png.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -15,14 +14,15 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/footage_files.h"
 #include "tests/support/stored_as.h"
-#include "tests/support/tiff_directory.h"
 
 #include "tests/support/files.h"
+#include "tests/support/png_exif.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using test::add_exif_to_png;
 using test::difference;
 using test::patches;
 using test::pictures;
@@ -92,25 +92,6 @@ void set_display_matrix(const std::string& path, const DisplayMatrix& matrix) {
   for (const std::int32_t number : {matrix.a, matrix.b, 0, matrix.c, matrix.d})
     for (const int shift : {24, 16, 8, 0})
       bytes[at++] = static_cast<char>(static_cast<std::uint32_t>(number) >> shift & 0xff);
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-// PNG, third edition, 11.3.4.5: behind the head, a TIFF with one field.
-void add_exif_to_png(const std::string& path, std::uint16_t orientation) {
-  constexpr std::size_t kHeadEnd = 8 + 25;
-  test::TiffDirectory fields;
-  fields.shorts(test::tiff_tag::kOrientation, {orientation});
-  std::string exif("eXIfII\x2a\0\x08\0\0\0", 12);
-  for (const auto byte : fields.at(8)) exif += static_cast<char>(byte);
-  const auto checksum = static_cast<std::uint32_t>(
-      crc32(0, reinterpret_cast<const Bytef*>(exif.data()), static_cast<uInt>(exif.size())));
-  const auto in_bytes = [](std::uint32_t value) {
-    std::string text;
-    for (const int shift : {24, 16, 8, 0}) text += static_cast<char>(value >> shift & 0xff);
-    return text;
-  };
-  std::string bytes = test::text_of(path);
-  bytes.insert(kHeadEnd, in_bytes(static_cast<std::uint32_t>(exif.size() - 4)) + exif + in_bytes(checksum));
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
