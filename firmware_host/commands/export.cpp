@@ -72,7 +72,7 @@ Result<void> check_files(Storage& storage, const ExportOptions& options) {
   for (const std::string_view file : kColmapFiles)
     outputs.push_back(
         {"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : "", OutputKind::Poses});
-  return options.kept.check(storage, {{"the recording that is read", options.recording}}, outputs);
+  return options.kept.check(storage, {{"the file that is read", options.recording}}, outputs);
 }
 
 PosedClip posed_clip_of(const CameraFacts& camera) {

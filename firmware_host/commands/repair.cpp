@@ -51,7 +51,7 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
 Result<void> repair(const RepairOptions& options, const Settings& settings, Surroundings& around) {
   TRY(check_recording_name(around.storage, "--output", options.output));
   TRY(check_no_snapshot(around.storage, options.recording));
-  TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
+  TRY(options.kept.check(around.storage, {{"the file that is read", options.recording}},
                          {{"--output", options.output, OutputKind::Recording}}));
   const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));
   TRY(admit_copy(settings, reader->camera(), {.codec = reader->codec()}));

@@ -34,7 +34,7 @@ std::string command_line_of(const ReplayFlags& flags, const Settings& settings) 
 }
 
 std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
-  std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
+  std::vector<NamedInput> inputs{{"the file that is read", flags.recording}};
   if (flags.truth.empty()) return inputs;
   for (NamedInput& file : files_of_clip(flags.truth)) inputs.push_back(std::move(file));
   return inputs;

@@ -88,7 +88,7 @@ Result<void> check_clip_folder(Storage& storage, const std::string& path) {
 
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera) {
   if (!is_replayed(camera.id)) return {};
-  return {{"the recording that is read", replayed_file(camera.id)}};
+  return {{"the file that is read", replayed_file(camera.id)}};
 }
 
 }  // namespace hdrcam

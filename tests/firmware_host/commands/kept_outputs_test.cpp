@@ -81,6 +81,18 @@ TEST_CASE("no output takes the place of the configuration, of a clip or of its t
   CHECK_FALSE(fs::exists(out));
 }
 
+TEST_CASE("what may be no recording is not called one where an output would overwrite it") {
+  const std::string notes = sample::scratch_folder("kept_notes") + "/notes.txt";
+  put(notes, "no recording");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"replay", notes}, {"live", "--camera", "replay:" + notes}}) {
+    const RanHere run = ran_here(joined(words, {"--stats", notes}));
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Contains("would overwrite the file that is read '" + notes + "'"));
+  }
+  CHECK(text_of(notes) == "no recording");
+}
+
 TEST_CASE("a file of settings that names outputs of other verbs stops no verb, and nothing is made of them") {
   const std::string folder = sample::scratch_folder("kept_shared"), walk = folder + "/walk.mkv",
                     frames = folder + "/frames/%06d.exr", video = folder + "/earlier.mp4",

@@ -94,7 +94,7 @@ TEST_CASE("a scene file that cannot be is refused in a sentence that says what t
   refused({"--flow-forward", out + "/%06d.flo", "--set", "look_ahead=0"}, "--set look_ahead=1");
   refused({"--depth", out + "/%06d.png", "--emit", "state"}, "--emit state");
   refused({"-o", frames, "--layers", "depth", "--emit", "state"}, "--layers depth comes from the field");
-  refused({"--transforms", whole, "-o", frames}, "would overwrite the recording that is read");
+  refused({"--transforms", whole, "-o", frames}, "would overwrite the file that is read");
   refused({"--transforms", out + "/same.json", "-o", frames, "--stats", out + "/same.json"},
           "would overwrite --stats");
   refused({"--colmap", out, "-o", frames, "--stats", out + "/images.txt"}, "would overwrite");

@@ -217,7 +217,7 @@ TEST_CASE("a snapshot takes the place of an earlier one with --force only, and o
   CHECK_THAT(refused(words).err, Contains("--snapshot - would write a file named '-'"));
   words.back() = saved().clip;
   words.emplace_back("--force");
-  CHECK_THAT(refused(words).err, Contains("would overwrite the recording that is read"));
+  CHECK_THAT(refused(words).err, Contains("would overwrite the file that is read"));
   CHECK_THAT(refused({"render", saved().scene, "--force", "-o", saved().folder + "/%06d.exr", "--stats",
                       saved().scene})
                  .err,
