@@ -101,6 +101,17 @@ void take_walk(FootagePlan& plan) {
   count_missing(plan);
 }
 
+// The cycle that the user names.
+Result<std::vector<Exposure>> named_cycle(const FootageRequest& request) {
+  std::vector<Exposure> cycle = TRY(parse_exposures(request.shutter, request.gain));
+  if (cycle.size() <= ExposureSchedule::kMaxSlots) return cycle;
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("a cycle has 1 to {} exposures, not {}; pictures of more are imported by a {} that "
+                  "states the exposure of each (docs/recording.md)",
+                  int{ExposureSchedule::kMaxSlots}, cycle.size(), ImageSequence::kFile)};
+}
+
 // The way of the frames through the cycle, which is estimated where the user names none.
 Result<CycleWalk> walk_of(const FootageScan& seen, FootagePlan& plan) {
   const bool estimate = plan.origin == ExposureOrigin::Estimated;
@@ -175,7 +186,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   FootagePlan plan;
   const bool estimate = request.shutter == kAutoShutter;
   if (!request.shutter.empty() && !estimate)  // before all frames are read
-    plan.cycle = TRY(parse_exposures(request.shutter, request.gain));
+    plan.cycle = TRY(named_cycle(request));
   FootageScan seen = TRY(scan_in_order(storage, request, stop, plan));
   for (const FrameFacts& facts : seen.facts) plan.as_read.push_back(facts.timestamp);
   plan.times = TRY(take_times(seen, request.framerate_hz));

@@ -404,6 +404,10 @@ TEST_CASE("a wrong cycle is refused before the footage is read, and one picture 
   const auto wrong = import_verb(folder + " --shutter 1ms,4 --list");
   CHECK(sample::error_of(wrong).code == ErrorCode::Invalid);
   CHECK_THAT(sample::error_of(wrong).message, Contains("'4' has no unit"));
+  const auto long_cycle = import_verb(folder + " --shutter 1ms,2ms,4ms,8ms,16ms --list");
+  CHECK(sample::error_of(long_cycle).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(long_cycle).message,
+             Contains("1 to 4 exposures, not 5") && Contains("clip.json that states the exposure of each"));
   const auto alone = import_verb(folder + "/IMG_0.JPG --list");
   CHECK(sample::error_of(alone).code == ErrorCode::TooShort);
   CHECK_THAT(sample::error_of(alone).message,
