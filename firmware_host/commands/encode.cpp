@@ -144,9 +144,11 @@ Result<double> framerate_of(const ExrImage& image, const NumberedFile& file, dou
   if (wanted_hz > 0) return wanted_hz;
   const double stated_hz = image.attributes.framerate_hz.value_or(kUsualFramerate_hz);
   if (stated_hz >= kLeastFramerate_hz && stated_hz <= kMostFramerate_hz) return stated_hz;
-  return Error{ErrorCode::Invalid, fmt::format("'{}' states {:g} frames per second, {:g}..{:g} are possible; "
+  // A fraction of zeros is no number, whose sign would be the processor's.
+  const std::string stated = std::isnan(stated_hz) ? "0/0" : fmt::format("{:g}", stated_hz);
+  return Error{ErrorCode::Invalid, fmt::format("'{}' states {} frames per second, {:g}..{:g} are possible; "
                                                "give --framerate 30",
-                                               file.path, stated_hz, kLeastFramerate_hz, kMostFramerate_hz)};
+                                               file.path, stated, kLeastFramerate_hz, kMostFramerate_hz)};
 }
 
 // Who says the luminance of radiance 1.

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -184,6 +185,7 @@ TEST_CASE("a frame rate that cannot be is refused, naming the file and --framera
   CHECK(refused.exit_code == 2);
   CHECK_THAT(refused.err,
              Contains("000000.exr' states ") && Contains(" frames per second") && Contains("--framerate"));
+  if (std::isnan(framerate_hz)) CHECK_THAT(refused.err, Contains("states 0/0 frames per second"));
   const RanHere given = ran_here({"encode", frames, "-o", out + "/x.mp4", "--framerate", "25"});
   INFO(given.err);
   CHECK(given.exit_code == 0);
