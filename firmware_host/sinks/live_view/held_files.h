@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,21 +26,24 @@ struct FileKey {
 
 class HeldFiles {
  public:
-  explicit HeldFiles(std::size_t most) : files_(most) {}
+  // most_bytes: of all together, where more than one is held; files of a run are taken to be alike.
+  explicit HeldFiles(std::size_t most, std::size_t most_bytes = std::numeric_limits<std::size_t>::max())
+      : files_(most), most_bytes_(most_bytes) {}
 
   // The file that others read, else the one that `encode`, of type () -> Result<HttpBody>, makes. Errors:
-  // Busy while as many others are read as are held at most; those of `encode`.
+  // Busy while as many others are read as are held at most, by number or by size; those of `encode`.
   template <class Encode>
   Result<HttpBody> share(const FileKey& key, const Encode& encode) {
     for (const File& file : files_)
       if (file.key == key)
         if (HttpBody body = file.body.lock()) return body;
+    const Held held = count();  // first, for others may be released meanwhile
     const auto place = std::ranges::find_if(files_, [](const File& file) { return file.body.expired(); });
-    if (place == files_.end())
-      return Error{ErrorCode::Busy,
-                   fmt::format("{} earlier frames are still being read; ask again", files_.size())};
+    if (place == files_.end() || (held.files > 0 && held.bytes + last_bytes_ > most_bytes_))
+      return too_many(held.files);
     HttpBody body = TRY(encode());
     *place = {key, body};
+    last_bytes_ = body->size();
     return body;
   }
 
@@ -49,7 +53,25 @@ class HeldFiles {
     std::weak_ptr<const HttpBody::element_type> body = {};
   };
 
+  struct Held {
+    std::size_t files = 0, bytes = 0;
+  };
+  Held count() const {
+    Held held;
+    for (const File& file : files_)
+      if (const HttpBody body = file.body.lock()) ++held.files, held.bytes += body->size();
+    return held;
+  }
+
+  static Error too_many(std::size_t held) {
+    return {ErrorCode::Busy,
+            fmt::format("{} still being read; ask again",
+                        held == 1 ? "an earlier frame is" : fmt::format("{} earlier frames are", held))};
+  }
+
   std::vector<File> files_;
+  const std::size_t most_bytes_;
+  std::size_t last_bytes_ = 0;  // of the file made last
 };
 
 }  // namespace hdrcam

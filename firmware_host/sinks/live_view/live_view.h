@@ -79,7 +79,7 @@ class LiveView : public FrameSink {
   FramePicture pictures_;               // of the server's thread
   LightPicture lights_;                 // of the server's thread
   HeldFiles light_pictures_{16};        // of the server's thread: 50 MB of 16:9
-  HeldFiles exr_files_{4};              // of the server's thread
+  HeldFiles exr_files_{4, 192 << 20};   // of the server's thread: two of 4K, uncompressed
   std::unique_ptr<HttpServer> server_;  // last: its thread uses all of them
 };
 
