@@ -49,12 +49,14 @@ void Canvas::fill(int top, int left, int rows, int cols, Rgb colour) {
 }
 
 void Canvas::paste(int top, int left, const Image<std::uint8_t>& picture) {
-  const int rows = std::min(picture.rows(), picture_.rows() - top);
-  const int cols = std::min(picture.cols(), picture_.cols() - left);
+  const int y0 = std::max(0, -top), x0 = std::max(0, -left);  // of the picture, the first on the canvas
+  const int rows = std::min(picture.rows(), picture_.rows() - top) - y0;
+  const int cols = std::min(picture.cols(), picture_.cols() - left) - x0;
   if (rows <= 0 || cols <= 0) return;
   for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < rows; ++y)
-      std::copy_n(picture.row(picture.channels() == 1 ? 0 : c, y), cols, picture_.row(c, top + y) + left);
+    for (int y = y0; y < y0 + rows; ++y)
+      std::copy_n(picture.row(picture.channels() == 1 ? 0 : c, y) + x0, cols,
+                  picture_.row(c, top + y) + left + x0);
 }
 
 void Canvas::write(int baseline, int left, const std::string& line, int height, Rgb colour) {

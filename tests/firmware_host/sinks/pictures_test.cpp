@@ -210,3 +210,20 @@ TEST_CASE("drawing outside a canvas is cut off") {
   CHECK(canvas.picture().at(1, 5, 5) == 2);
   CHECK(canvas.picture().at(2, 1, 1) == 9);
 }
+
+TEST_CASE("what is pasted above and left of a canvas shows its far corner") {
+  Image<std::uint8_t> picture(1, 4, 5);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 5; ++x) picture.at(0, y, x) = static_cast<std::uint8_t>(10 * y + x + 100);
+  Canvas canvas(10, 10, {1, 2, 3});
+  canvas.paste(-1, -3, picture);
+  canvas.paste(-9, 0, picture);
+  canvas.paste(0, -5, picture);
+  for (int c = 0; c < 3; ++c) {
+    CHECK(canvas.picture().at(c, 0, 0) == 113);
+    CHECK(canvas.picture().at(c, 2, 1) == 134);
+    CHECK(canvas.picture().at(c, 0, 2) == c + 1);
+    CHECK(canvas.picture().at(c, 3, 0) == c + 1);
+    CHECK(canvas.picture().at(c, 9, 9) == c + 1);
+  }
+}
