@@ -12,9 +12,9 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "hal/buffer_lease.h"
 #include "hal/core/black_level.h"
 #include "hal/core/frame.h"
 #include "hal/core/instant.h"
@@ -124,33 +124,6 @@ struct CameraCapabilities {
 
 // Invalid, naming the limits, where the camera can set exposures but not this one.
 Result<void> check_exposure(const CameraCapabilities& camera, const ExposureRequest& request);
-
-// Gives a buffer back to the camera that owns it when it goes out of scope. The camera outlives its leases.
-class BufferLease {
- public:
-  class Owner {
-   public:
-    virtual void give_back(int index) = 0;
-
-   protected:
-    ~Owner() = default;
-  };
-  BufferLease() = default;
-  BufferLease(Owner& owner, int index) : owner_(&owner), index_(index) {}
-  BufferLease(BufferLease&& other) noexcept
-      : owner_(std::exchange(other.owner_, nullptr)), index_(other.index_) {}
-  BufferLease& operator=(BufferLease&& other) noexcept {
-    std::swap(owner_, other.owner_), std::swap(index_, other.index_);
-    return *this;
-  }
-  ~BufferLease() {
-    if (owner_ != nullptr) owner_->give_back(index_);
-  }
-
- private:
-  Owner* owner_ = nullptr;
-  int index_ = -1;
-};
 
 struct CapturedBuffer {
   std::uint64_t cookie = 0;          // of the request that it completed
