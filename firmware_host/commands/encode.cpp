@@ -48,10 +48,6 @@ struct NumberedFile {
   std::string path;
 };
 
-std::size_t digits_at_end(const std::string& stem) {
-  return stem.size() - (stem.find_last_not_of("0123456789") + 1);
-}
-
 // The numbered frames that a folder holds: one of them, and the pattern that names them all.
 struct FoundFrames {
   std::filesystem::path first, pattern;

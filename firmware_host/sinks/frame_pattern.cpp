@@ -131,4 +131,8 @@ std::string FramePattern::folder() const {
   return slash == 0 ? "/" : before_.substr(0, slash);
 }
 
+std::size_t digits_at_end(std::string_view stem) {
+  return stem.size() - (stem.find_last_not_of("0123456789") + 1);
+}
+
 }  // namespace hdrcam

@@ -3,6 +3,7 @@
 // pattern is parsed here and never passed to printf. Value type, reentrant.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,5 +44,8 @@ class FramePattern {
   int digits_;
   std::string after_;
 };
+
+// How many digits such a name ends in, without its extension: 4 of "f0041", 0 of "f".
+std::size_t digits_at_end(std::string_view stem);
 
 }  // namespace hdrcam

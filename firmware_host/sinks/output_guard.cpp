@@ -91,8 +91,7 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
 // Its name ends in three digits or more, as the names of frames and of a camera's pictures do.
 bool is_numbered(const std::string& path) {
   constexpr std::size_t kFewestDigits = 3;
-  const std::string name = fs::path(path).stem().string();
-  return name.size() - (name.find_last_not_of("0123456789") + 1) >= kFewestDigits;
+  return digits_at_end(fs::path(path).stem().string()) >= kFewestDigits;
 }
 
 Result<void> check_earlier_work_stays(Storage& storage, const Place& place, OutputKind kind) {

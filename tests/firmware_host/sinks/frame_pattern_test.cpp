@@ -109,3 +109,11 @@ TEST_CASE("a pattern of recordings that is refused is said to be one, not one of
                Contains("recording") && !Contains("frame") && Contains("write it as 'takes/%03d.mkv'"));
   }
 }
+
+TEST_CASE("the digits at the end of a frame's name are counted") {
+  CHECK(digits_at_end("f0041") == 4);
+  CHECK(digits_at_end("take2_7") == 1);
+  CHECK(digits_at_end("000123") == 6);
+  CHECK(digits_at_end("f12b") == 0);
+  CHECK(digits_at_end("") == 0);
+}
