@@ -53,21 +53,29 @@ struct FoundFrames {
   std::filesystem::path first, pattern;
 };
 
+// The pattern that names this file and those that are numbered alike; none where there is none, as where its
+// name has a '%'.
+std::optional<std::filesystem::path> pattern_around(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  const std::size_t digits = digits_at_end(stem);
+  const std::string name = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
+  std::filesystem::path pattern = file.parent_path() / name;
+  if (!FramePattern::is_one(pattern.string())) return std::nullopt;
+  return pattern;
+}
+
 // Of the shortest name, whose pattern fits the longer ones of its series too: f1.exr, f10.exr.
 std::optional<FoundFrames> frames_in(const FolderListing& listing) {
-  std::optional<std::filesystem::path> first;
+  std::optional<FoundFrames> found;
   const auto comes_before = [](const std::string& a, const std::string& b) {
     return std::pair(a.size(), std::string_view(a)) < std::pair(b.size(), std::string_view(b));
   };
-  for (const std::filesystem::path& path : listing.paths())
-    if (path.extension() == ".exr" && digits_at_end(path.stem().string()) > 0 &&
-        (!first || comes_before(path.string(), first->string())))
-      first = path;
-  if (!first) return std::nullopt;
-  const std::string stem = first->stem().string();
-  const std::size_t digits = digits_at_end(stem);
-  const std::string pattern = fmt::format("{}%0{}d.exr", stem.substr(0, stem.size() - digits), digits);
-  return FoundFrames{*first, first->parent_path() / pattern};
+  for (const std::filesystem::path& path : listing.paths()) {
+    if (path.extension() != ".exr" || (found && !comes_before(path.string(), found->first.string())))
+      continue;
+    if (auto pattern = pattern_around(path)) found = {path, *std::move(pattern)};
+  }
+  return found;
 }
 
 // What a folder holds in place of the frames that are named, with what to write for it: the end of a

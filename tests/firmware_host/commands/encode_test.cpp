@@ -369,6 +369,17 @@ TEST_CASE("encode leads from other names to the frames that are there, and from 
   CHECK_THAT(told({"walk.mkv"}), Contains("'hdrcam replay' makes a video"));
 }
 
+TEST_CASE("encode leads to no pattern that it would refuse") {
+  const std::string out = sample::scratch_folder("encode_no_pattern");
+  for (const char* name : {"/50%_0001.exr", "/00000000000000000001.exr", "/last.exr"})
+    write_grey(out + name, Image<float>(1, 16, 16));
+  const RanHere folder = ran_here({"encode", out, "-o", out + "/x.mp4"});
+  CHECK_THAT(folder.err, Contains("such as '" + out + "/%06d.exr'"));
+  const RanHere none = ran_here({"encode", out + "/%06d.exr", "-o", out + "/x.mp4"});
+  CHECK(none.exit_code == 3);
+  CHECK_THAT(none.err, Contains("there are no frames") && !Contains("for which write"));
+}
+
 TEST_CASE("encode refuses flags that its output does not use, and leaves what a file of settings says") {
   const std::string out = sample::scratch_folder("encode_ignored"), frames = out + "/%06d.exr";
   const RanHere piped = ran_here({"encode", frames, "-o", "-", "--codec", "av1", "--crf", "20"});
