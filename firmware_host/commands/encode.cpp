@@ -96,11 +96,14 @@ Result<FramePattern> parsed_pattern(const std::string& text) {
   return Error{pattern.error().code, pattern.error().message + other_frames_in(listing)};
 }
 
-// text: as the user names the frames. A folder, or one file of many, leads to the pattern.
+// text: as the user names the frames. A folder, whose name may have a '%', or one file of many, leads to the
+// pattern.
 Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
-  if (text.find('%') != std::string::npos) return parsed_pattern(text);
+  const Result<FileFacts> facts = storage.look_at(text);
+  const bool folder = facts && facts.value().kind == FileKind::Folder;
+  if (!folder && text.find('%') != std::string::npos) return parsed_pattern(text);
+  if (!facts) return facts.error();
   const std::filesystem::path named(text);
-  const bool folder = TRY(storage.look_at(text)).kind == FileKind::Folder;
   const std::filesystem::path place = folder ? named : named.parent_path();
   const bool recording = named.extension() == ".mkv";
   const std::optional<FoundFrames> found = folder ? frames_in(FolderListing(text)) : std::nullopt;

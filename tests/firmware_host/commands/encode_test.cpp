@@ -369,6 +369,16 @@ TEST_CASE("encode leads from other names to the frames that are there, and from 
   CHECK_THAT(told({"walk.mkv"}), Contains("'hdrcam replay' makes a video"));
 }
 
+TEST_CASE("encode leads to the frames of a folder whose name has a percent sign") {
+  const std::string out = sample::scratch_folder("encode_percent") + "/50%x";
+  REQUIRE(posix_storage().make_directories(out).ok());
+  write_grey(out + "/f0001.exr", Image<float>(1, 16, 16));
+  const RanHere refused = ran_here({"encode", out, "-o", out + "/x.mp4"});
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.err, Contains("'" + out + "' is a folder; name the frames by their pattern, such as '" +
+                                   out + "/f%04d.exr'"));
+}
+
 TEST_CASE("encode leads to no pattern that it would refuse") {
   const std::string out = sample::scratch_folder("encode_no_pattern");
   for (const char* name : {"/50%_0001.exr", "/00000000000000000001.exr", "/last.exr"})
