@@ -1,4 +1,5 @@
 // Another storage, for those that change some of its calls. It outlives this and the files it opens.
+// Thread-safe as the other one is.
 #pragma once
 
 #include "hal/storage.h"

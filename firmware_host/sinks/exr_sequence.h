@@ -12,6 +12,7 @@
 //   sigma               standard deviation of ln(radiance + white / 5000), half
 //   confidence          exp(-sigma), half, 0..1: the one-sigma lower bound over the value
 //   provenance          enum Provenance, half
+// The sink is thread-bound; the rest is reentrant.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // report.html: a run on one self-contained page (styles, charts and pictures are inside; no script, no
-// network), readable on light and dark screens and on paper.
+// network), readable on light and dark screens and on paper. The sink is thread-bound.
 #pragma once
 
 #include <cstddef>

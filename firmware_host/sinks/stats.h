@@ -1,4 +1,4 @@
-// stats.json: the record of a run as JSON. The keys are specified in docs/stats.md.
+// stats.json: the record of a run as JSON. The keys are specified in docs/stats.md. The sink is thread-bound.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // The strobe line of a sensor on a GPIO pin, through libgpiod. In a build without it every call returns
-// Unsupported and names the package to install.
+// Unsupported and names the package to install. Thread-bound as hal/sync_line.h says.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
 // Measures on this machine what each effect costs: the processor time of a frame, all threads together, while
 // the effects of the plan are added one after the other, in the order in which light meets them. So the costs
 // add up to the frame. In a static scene light is computed once, and effects on light cost nothing after the
-// first frame.
+// first frame. Thread-bound.
 #pragma once
 
 #include "hal/sim/simulated_sensor.h"

@@ -1,7 +1,8 @@
 // Motion as Middlebury .flo files, one per frame, for optical-flow tools: "PIEH" (the float 202021.25), width
 // and height as 32-bit integers, then u and v of each pixel as 32-bit floats, row by row, all little-endian;
 // above 1e9 a value is unknown. u to the right, v down, pixels. The values are those of the EXR layers. A
-// frame without that neighbour has a file in which all is unknown, so that the numbers have no gaps.
+// frame without that neighbour has a file in which all is unknown, so that the numbers have no gaps. The sink
+// is thread-bound.
 // Source: vision.middlebury.edu/flow/code/flow-code/README.txt.
 #pragma once
 
