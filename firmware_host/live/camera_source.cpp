@@ -40,6 +40,9 @@ Result<void> admit_stream(const Settings& settings, const StreamMode& mode, Live
   return admit_parts(settings, fmt::format("a stream of {}x{}{}", width, height, fit), bytes);
 }
 
+// What a cycle that adapts follows, as a sentence names it.
+const char* followed_by(Adapt adapt) { return adapt == Adapt::Light ? "light" : "motion"; }
+
 // Errors: Invalid where a run without a fit would ask it for exposures.
 Result<void> check_adapt(Adapt adapt, LiveWork work) {
   if (adapt != Adapt::Motion || work != LiveWork::RecordOnly) return {};
@@ -152,17 +155,18 @@ Result<void> CameraSource::finish(RunRecord& record) {
 std::vector<std::string> CameraSource::accounts() const {
   const CaptureCounters camera = session_->counters().camera;
   std::vector<std::string> all;
-  for (const std::string& account : {capture_->exposures_account(), light_account(), lines_->sentence(camera),
-                                     lines_->strobe_sentence(camera)})
+  for (const std::string& account : {capture_->exposures_account(), adaptation_account(),
+                                     lines_->sentence(camera), lines_->strobe_sentence(camera)})
     if (!account.empty()) all.push_back(account);
   return all;
 }
 
-std::string CameraSource::light_account() const {
-  if (adapt_ != Adapt::Light) return "";
+std::string CameraSource::adaptation_account() const {
+  if (adapt_ == Adapt::Off) return "";
+  const char* const followed = followed_by(adapt_);
   const std::uint64_t changes = session_->counters().camera.cycle_changes;
-  if (changes == 0) return "the light did not change the cycle";
-  return fmt::format("the light changed the cycle {}; last to {}", counted(changes, "time"),
+  if (changes == 0) return fmt::format("the {} did not change the cycle", followed);
+  return fmt::format("the {} changed the cycle {}; last to {}", followed, counted(changes, "time"),
                      describe(capture_->schedule().cycle()));
 }
 
@@ -197,8 +201,8 @@ Result<void> CameraSource::stop_recording() {
 Result<void> CameraSource::change_cycle(const std::string& shutter, const std::string& gain) {
   if (exposure_fixed_) return Error{ErrorCode::Unsupported, "the exposures of this camera cannot be set"};
   if (adapt_ != Adapt::Off)
-    return Error{ErrorCode::Unsupported, fmt::format("the cycle follows the {} (--adapt)",
-                                                     adapt_ == Adapt::Light ? "light" : "motion")};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("the cycle follows the {} (--adapt)", followed_by(adapt_))};
   const std::string& kept = gain.empty() ? gain_ : gain;
   const double usual = usual_gain(camera_->capabilities());
   Result<std::vector<Exposure>> cycle = parse_exposures(shutter, kept, usual);

@@ -51,7 +51,8 @@ class CameraSource : public FrameSource, public RunControl {
   // What the user should know at the start.
   std::vector<std::string> warnings() const;
   // Once the session has ended, a sentence each where it applies: why no frame has an exposure, how the cycle
-  // followed the light, how a trigger line was driven, and that the pulses of a strobe line do not fit.
+  // followed the light or the motion, how a trigger line was driven, and that the pulses of a strobe line do
+  // not fit.
   std::vector<std::string> accounts() const;
   // What the camera says of its frames. The session has ended.
   std::vector<std::string> camera_warnings() const { return camera_->warnings(); }
@@ -70,7 +71,7 @@ class CameraSource : public FrameSource, public RunControl {
         own_recording_(settings.record.file),
         recording_(own_recording_) {}
 
-  std::string light_account() const;  // "" where the cycle does not follow it
+  std::string adaptation_account() const;  // "" where the cycle follows neither light nor motion
 
   const std::atomic<bool>& stop_;
   std::unique_ptr<CameraLines> lines_;

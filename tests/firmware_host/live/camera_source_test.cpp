@@ -299,6 +299,8 @@ TEST_CASE("exposures that the fit asks for are those of later frames, and counte
   REQUIRE(run.more_frames(10));
   require_error(run.control().change_cycle("2ms,8ms", ""), ErrorCode::Unsupported);
   const LiveCounters counters = run.end();
+  CHECK(run.source().accounts() ==
+        std::vector<std::string>{"the motion changed the cycle 1 time; last to 2 ms, 6 ms"});
   CHECK(counters.camera.cycle_changes == 1);
   CHECK(counters.camera.contradicted == 0);
 }
