@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "hal/core/sound_facts.h"
 #include "hal/core/split_text.h"
 
 namespace hdrcam {
@@ -86,9 +87,10 @@ bool all_same(std::span<const Exposure> cycle) {
 Result<Duration> parse_duration(std::string_view text) {
   if (bare_number(text).value_or(0) > 0) return lacks_unit(text);
   const auto seconds = seconds_in(trimmed(text));
-  if (!seconds || !(*seconds >= kShortest_s) || *seconds > kLongest_s)
+  if (!seconds || !is_within(*seconds, kShortest_s, kLongest_s))
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s", text)};
+                 fmt::format("'{}' is {}; write it like 4ms, 250us, 1/250 or 0.004s", text,
+                             seconds ? "outside 0.001us to 3600s" : "not a duration")};
   return from_seconds(*seconds);
 }
 
@@ -124,9 +126,10 @@ Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::str
     std::string_view part = trimmed(gains[gains.size() == 1 ? 0 : i]);
     const std::string_view whole = part;
     const auto number = take_number(part);
-    if (!number || !part.empty() || !(*number > 0))
+    if (!number || !part.empty() || !(*number > 0) || *number > kMostExposureGain)
       return Error{ErrorCode::Invalid,
-                   fmt::format("'{}' is not a gain; write a positive number like 1 or 2.5", whole)};
+                   fmt::format("'{}' is not a gain; write a number above 0, up to {}, like 1 or 2.5", whole,
+                               kMostExposureGain)};
     exposures[i].gain = *number;
   }
   return exposures;

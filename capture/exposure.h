@@ -52,7 +52,7 @@ bool outlasts_frame(double exposure_s, double interval_s);
 Duration between_begins(const FrameFacts& frame, const FrameFacts& next);
 
 // "4ms", "250us", "1/250", "1/250s", "0.004s". A bare number is refused: few who write one mean seconds.
-// Invalid for anything else, zero or negative.
+// Invalid for anything else, and for less than a nanosecond or more than an hour.
 Result<Duration> parse_duration(std::string_view text);
 
 // A time before or after another one: "250us", "-2ms", "0". Invalid for anything else, and for a number other
@@ -60,7 +60,8 @@ Result<Duration> parse_duration(std::string_view text);
 Result<Duration> parse_signed_duration(std::string_view text);
 
 // A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2". One gain is for all times, one time
-// for all gains; empty gains mean gain_otherwise. Invalid, naming the wrong part.
+// for all gains; empty gains mean gain_otherwise. Invalid, naming the wrong part; so is a gain that no
+// recording could hold.
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
                                               double gain_otherwise = 1);
 

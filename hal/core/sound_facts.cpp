@@ -15,8 +15,8 @@ constexpr double kMostPictures = 10;     // between the principal point and the 
 constexpr double kMostDistance_m = 1e7;  // from the world's origin
 constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotation from 0 or 1
 constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
-constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
-constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
+constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;  // of a white balance
+constexpr double kLongest_s = 86'400;                    // of an exposure
 constexpr double kLongestReadout_s = 10;
 constexpr std::size_t kResponseCodes = 256;
 constexpr double kMostRelativeExposure = 1e12;
@@ -109,8 +109,8 @@ std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFact
   if (facts.exposure_s < 0 || facts.exposure_s > kLongest_s)
     return fmt::format("its exposure is {:g} s; 0 to {} s are possible", facts.exposure_s, kLongest_s);
   for (const double gain : {facts.analogue_gain, facts.digital_gain})
-    if (gain < 0 || gain > kMostFactor)
-      return fmt::format("its gain is {:g}; 0 to {} are possible", gain, kMostFactor);
+    if (gain < 0 || gain > kMostExposureGain)
+      return fmt::format("its gain is {:g}; 0 to {} are possible", gain, kMostExposureGain);
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);

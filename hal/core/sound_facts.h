@@ -15,6 +15,8 @@ constexpr int kMinSidePx = 2, kMaxSidePx = 16384;
 constexpr bool is_possible_side(int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; }
 // Of a time stamp, from the clock's zero; differences of two in nanoseconds still fit 64 bits.
 constexpr double kLatest_s = 4e9;
+// Of a frame's exposure, analogue and digital alike.
+constexpr double kMostExposureGain = 1e6;
 
 // False for NaN.
 constexpr bool is_within(double value, double least, double most) { return value >= least && value <= most; }

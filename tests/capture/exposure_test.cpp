@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 namespace hdrcam {
@@ -53,6 +54,17 @@ TEST_CASE("durations are read as photographers write them", "[capture]") {
   CHECK(parse_duration("33").error().message == "the time '33' has no unit; write 33ms or 33s");
 }
 
+TEST_CASE("a duration that is too short or too long is told with the limits", "[capture]") {
+  CHECK(parse_duration("3600s").value() == 1h);
+  CHECK(parse_duration("0.001us").value() == 1ns);
+  for (const char* outside : {"4000s", "0.0001us", "0ms", "-4ms", "1/-250"}) {
+    CAPTURE(outside);
+    CHECK(
+        parse_duration(outside).error().message ==
+        fmt::format("'{}' is outside 0.001us to 3600s; write it like 4ms, 250us, 1/250 or 0.004s", outside));
+  }
+}
+
 TEST_CASE("an error in one of a cycle's times quotes the cycle, too", "[capture]") {
   CHECK(parse_exposures("1ms,,4ms", "").error().message ==
         "shutter times '1ms,,4ms': '' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s");
@@ -85,6 +97,12 @@ TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {
   CHECK_FALSE(parse_exposures("1ms,,4ms", "").ok());
   CHECK_FALSE(parse_exposures("1ms", "0").ok());
   CHECK_FALSE(parse_exposures("1ms", "two").ok());
+}
+
+TEST_CASE("a gain is one that a recording can hold", "[capture]") {
+  CHECK(parse_exposures("1ms", "1e6").ok());
+  CHECK(parse_exposures("1ms,4ms", "1,1e40").error().message ==
+        "'1e40' is not a gain; write a number above 0, up to 1000000, like 1 or 2.5");
 }
 
 TEST_CASE("exposures are those that the sensor can do", "[capture]") {
