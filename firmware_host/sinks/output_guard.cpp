@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "hal/core/counted.h"
 #include "hal/core/file_extension.h"
 #include "hal/footage/footage.h"
@@ -130,19 +132,28 @@ bool describes_work(const std::string& path) {
   return name == "clip.json" || name == "gt.json" || lower_extension(path) == ".toml";
 }
 
-// A page may replace a page, a picture of the run such a picture, a scene a scene, and a document a document,
-// but never a frame, footage, a recording or what describes them that was named by mistake.
+// For other tools; a file of poses that has a name of its own is not known for one.
+bool holds_poses(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  return name == "transforms.json" || std::ranges::find(kColmapFiles, name) != kColmapFiles.end();
+}
+
+// A page may replace a page, a picture of the run such a picture, a scene a scene, a document a document, and
+// poses poses, but never a frame, footage, a recording or what describes them that was named by mistake.
 Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
   const std::string& path = place.facts.real_path;
   const std::string extension = lower_extension(path);
   const bool own = (kind == OutputKind::Picture && extension == ".png") ||
-                   (kind == OutputKind::Scene && extension == kSceneExtension);
+                   (kind == OutputKind::Scene && extension == kSceneExtension) ||
+                   (kind == OutputKind::Poses && holds_poses(path));
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
-                    extension == kSceneExtension || (kind != OutputKind::Document && describes_work(path));
+                    extension == kSceneExtension ||
+                    (kind != OutputKind::Document && (describes_work(path) || holds_poses(path)));
   if (own || !work) return {};
   const char* replaced = describes_work(path)           ? "a clip or settings"
+                         : holds_poses(path)            ? "the poses of pictures"
                          : extension == kSceneExtension ? "a saved scene"
                                                         : "a picture or a recording";
   return Error{ErrorCode::Invalid,

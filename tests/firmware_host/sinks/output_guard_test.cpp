@@ -272,11 +272,15 @@ TEST_CASE("a page is made anew, but never over a picture or a recording") {
     require_error(desk.check({{"--output", work, OutputKind::Document}}, Overwrite::Force),
                   ErrorCode::Invalid);
   }
-  for (const char* work : {"camera.toml", "clip.json", "gt.json"}) {
+  for (const char* work : {"camera.toml", "clip.json", "gt.json", "transforms.json", "colmap/cameras.txt",
+                           "colmap/images.txt"}) {
     INFO(work);
     desk.put(work);
     require_error(desk.check({{"--stats", work}}, Overwrite::Force), ErrorCode::Invalid);
   }
+  CHECK_THAT(desk.check({{"--stats", "transforms.json"}}).error().message,
+             Catch::Contains("would replace the poses of pictures; name another file"));
+  require_done(desk.check({{"--stats", "colmap/notes.txt"}}));
   desk.put("sheet.png");
   require_done(desk.check({{"--sheet", "sheet.png", OutputKind::Picture}}));
   require_error(desk.check({{"--sheet", "B.JPG", OutputKind::Picture}}), ErrorCode::Invalid);
