@@ -10,8 +10,8 @@
 
 namespace hdrcam {
 
-// A recording is a Matroska file and is called so, whatever other programs make of a name; a pipe or a device
-// may have any. "": none is wanted. Errors: Invalid for any other name; those of Storage::look_at.
+// A recording is one Matroska file and is called so, whatever other programs make of a name; a pipe or a
+// device may have any. "": none is wanted. Errors: Invalid for any other name; those of Storage::look_at.
 Result<void> check_recording_name(Storage& storage, const char* flag, const std::string& path);
 
 // "walk.mkv: 90 frames, 640x480, 8 bits, rgb"

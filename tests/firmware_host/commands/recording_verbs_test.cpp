@@ -362,6 +362,18 @@ TEST_CASE("a recording is named .mkv, so that no other program takes it for what
   CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/y.MKV").ok());
 }
 
+TEST_CASE("a recording is one file, so its name has no number for each frame or take") {
+  const std::string folder = sample::scratch_folder("numbered_recordings");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), folder + "/x.mkv", camera, sample::frames(camera, 3, 2)).ok());
+  const Error refused =
+      sample::error_of(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/take%03d.mkv"));
+  CHECK(refused.code == ErrorCode::Invalid);
+  CHECK(refused.message.find("numbers files, and a recording is one file") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder + "/take%03d.mkv"));
+  CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/50%.mkv").ok());
+}
+
 TEST_CASE("a clip or a picture in place of a recording leads to import, and two clips to one at a time") {
   const std::string folder = sample::scratch_folder("no_recording");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
