@@ -253,8 +253,8 @@ class FootageFiles : public FootageReader {
     if (model.empty() || model == model_) return true;
     if (model_.empty()) return model_ = model, first_of_model_ = path(), true;
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' is of a {} and '{}' of a {}, whose responses differ; import the pictures "
-                             "of each camera by themselves",
+                 fmt::format("'{}' was taken by the camera '{}' and '{}' by '{}', whose responses differ; "
+                             "import the pictures of each camera by themselves",
                              path(), model, first_of_model_, model_)};
   }
 

@@ -86,7 +86,7 @@ TEST_CASE("stills of two models of cameras are no clip, and both are named") {
   const ReadFootage mixed = read_footage(files);
   CHECK(mixed.frames.size() == 3);
   CHECK_THAT(refusal(mixed, ErrorCode::Invalid),
-             Contains("3.jpg' is of a X-T4") && Contains("1.jpg' of a EOS R5,"));
+             Contains("3.jpg' was taken by the camera 'X-T4'") && Contains("1.jpg' by 'EOS R5',"));
   files.pop_back();
   CHECK_FALSE(read_footage(files).error);
 }
