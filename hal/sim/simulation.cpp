@@ -90,7 +90,9 @@ Result<void> set_effects(Simulation& s, std::string_view key, std::string_view v
     if (!effect) return invalid(key, name_text, fmt::format("the effects are {}", effect_names()));
     if (*effect == Effect::Quantisation && !on) return invalid(key, name_text, "every sensor has it");
     if (*effect == Effect::Mosaic)
-      return invalid(key, name_text, "the stream's format decides; ask for a Bayer format");
+      return invalid(key, name_text,
+                     fmt::format("the stream's format decides; ask for {} with --format",
+                                 on ? "a Bayer format" : "an RGB format"));
     on ? s.plan.switch_on(*effect, fmt::format("asked for: with={}", name_text))
        : s.plan.switch_off(*effect, fmt::format("left out: without={}", name_text));
   }

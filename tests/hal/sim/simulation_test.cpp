@@ -82,7 +82,8 @@ TEST_CASE("what cannot be is refused in a sentence that says what can") {
   require_sentence("walk?speed=nan", ErrorCode::Invalid, "from 0 to 4");
   require_sentence("walk?delay=1,2,3", ErrorCode::Invalid, "2,1");
   require_sentence("walk?with=sparkle", ErrorCode::Invalid, "motion-blur");
-  require_sentence("walk?with=mosaic", ErrorCode::Invalid, "Bayer");
+  require_sentence("walk?with=mosaic", ErrorCode::Invalid, "ask for a Bayer format with --format");
+  require_sentence("walk?without=mosaic", ErrorCode::Invalid, "ask for an RGB format with --format");
   require_sentence("walk?without=quantisation", ErrorCode::Invalid, "every sensor has it");
   require_sentence("walk?camera=fly", ErrorCode::Invalid, "handheld");
   require_sentence("walk?rays=2", ErrorCode::Invalid, "1 or 4");
