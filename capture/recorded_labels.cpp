@@ -250,19 +250,22 @@ std::optional<std::string> RecordedLabels::objection() const {
 
 std::vector<std::string> RecordedLabels::warnings() const {
   std::vector<std::string> warnings;
-  const auto warn = [&](const Objections& objections, const char* what) {
+  const auto warn = [&](const Objections& objections, const char* what_one, const char* what_more) {
     if (objections.count > 0)
-      warnings.push_back(
-          fmt::format("{} of {} frames {}; {}", objections.count, frames_, what, objections.first));
+      warnings.push_back(fmt::format("{} of {} frames {}; {}", objections.count, frames_,
+                                     objections.count == 1 ? what_one : what_more, objections.first));
   };
-  warn(relabelled_, "had a wrong exposure and were relabelled from the pictures");
-  warn(contradicted_,
+  warn(relabelled_, "had a wrong exposure and was relabelled from the pictures",
+       "had a wrong exposure and were relabelled from the pictures");
+  warn(contradicted_, "is kept out of the fit: its pictures contradict its exposure, which should be checked",
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
-  if (order_.objects())
-    warn(out_of_order_,
-         "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
-         "the exposures should be checked");
+  constexpr const char* kDarker =  // of several, or the order has no objection
+      "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
+      "the exposures should be checked";
+  if (order_.objects()) warn(out_of_order_, kDarker, kDarker);
   warn(overlong_,
+       "states an exposure longer than the frame interval, so motion blur is modelled only where frames show "
+       "it",
        "state an exposure longer than the frame interval, so motion blur is modelled only where frames show "
        "it");
   return warnings;

@@ -315,6 +315,8 @@ TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {
     CAPTURE(wrong);
     CHECK(result.counters.relabelled == 1);
     CHECK(result.counters.contradicted == 0);
+    REQUIRE_FALSE(result.warnings.empty());
+    CHECK(result.warnings.front().find("1 of 24 frames had a wrong exposure and was relabelled") == 0);
     for (const FrameFacts& facts : result.facts) CHECK(facts.exposure_s == true_exposure_s(scene, facts));
     CHECK(result.facts[static_cast<std::size_t>(wrong)].exposure_source == ExposureSource::Photometric);
     CHECK(result.facts[static_cast<std::size_t>(wrong)].slot == wrong % 3);
