@@ -10,6 +10,7 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/with_settings.h"
+#include "firmware_host/cut_recording.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/earlier_frames.h"
@@ -176,7 +177,8 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   if (options.with_poses()) TRY(write_poses(around.storage, options, written.posed));
   tell_of_clip(*reader, written.count, earlier);
   say("{}: {}\n", options.folder, counted(written.count, "frame"));
-  return written.ended;
+  if (written.ended) return {};
+  return cut_recording(written.ended.error(), options.recording, static_cast<std::uint64_t>(written.count));
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ bool in_range(const SettingRange& range, double value) {
 
 std::string words_of(const SettingField& field) {
   if (field.type == SettingType::Gains)
-    return fmt::format("{}, or gains of R, G and B such as 2,1,1.5", fmt::join(field.choices, ", "));
+    return fmt::format("{}, or gains of R, G and B from 1/64 to 64, such as 2,1,1.5",
+                       fmt::join(field.choices, ", "));
   if (field.list) return fmt::format("any of {}", fmt::join(field.choices, ","));
   const auto last = field.choices.end() - 1;
   return fmt::format("{} or {}", fmt::join(field.choices.begin(), last, ", "), *last);

@@ -67,6 +67,10 @@ class ClipScoring {
     std::ranges::copy_if(estimated, std::back_inserter(scores_.not_in_clip),
                          [&](std::uint64_t number) { return !of_clip.contains(number); });
     if (!frames_.empty()) return {};
+    if (2 * options_.skip >= truth_.frames())
+      return Error{ErrorCode::Invalid,
+                   fmt::format("the clip has {} frames, and {} skipped at either end leave none; skip fewer",
+                               truth_.frames(), options_.skip)};
     std::string numbers;
     if (!of_clip.empty())
       numbers = fmt::format(", of numbers {} to {},", *of_clip.begin(), *of_clip.rbegin());

@@ -165,7 +165,9 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     FaultyStorage disk(posix_storage(), {.cut_at_bytes = bytes * 3 / 5});
     const auto whole = sample::replay(disk, path).frames.size();
     REQUIRE((whole > 1 && whole < 5));
-    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::Truncated);
+    const Error told = sample::error_of(hdrcam_verb(line, disk));
+    CHECK(told.code == ErrorCode::Truncated);
+    CHECK(told.message.find("hdrcam repair " + path) != std::string::npos);
     CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() ==
           static_cast<int>(whole));
   }

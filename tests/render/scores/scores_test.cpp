@@ -302,7 +302,7 @@ TEST_CASE("a comparison that cannot be is refused with a sentence that names the
   REQUIRE(error_of(clip.path(), clip / "nowhere").code == ErrorCode::NotFound);
   REQUIRE(mentions(error_of(clip.path(), clip / "nowhere"), "there is no folder '"));
   REQUIRE(mentions(error_of(clip.path(), clip / "gt"), "no HDR frames"));
-  REQUIRE(mentions(error_of(clip.path(), out, {.skip = 4}), "4 skipped"));
+  REQUIRE(mentions(error_of(clip.path(), out, {.skip = 4}), "4 skipped at either end leave none"));
   REQUIRE(error_of(clip.path(), out, {.skip = -1}).code == ErrorCode::Invalid);
 
   const std::atomic<bool> stop{true};
