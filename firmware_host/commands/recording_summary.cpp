@@ -136,6 +136,7 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
   table.row("response", camera.linear ? "linear" : camera.response.empty() ? "unknown" : "known");
   if (camera.white_balance)
     table.row("white", fmt::format("gains {:.4g}", fmt::join(*camera.white_balance, ", ")));
+  if (camera.turned_upright) table.row("turned", "upright, when it was imported");
   table.row("schedule", schedule_text(summary));
   table.row("exposures", exposures_text(summary));
   table.row("verdict", counts_text(summary.verdicts));
@@ -192,6 +193,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"complete", !summary.end && summary.left_out.sentence().empty()}};
   if (camera.intrinsics) json["intrinsics"] = json_of(*camera.intrinsics);
   if (camera.white_balance) json["white_balance"] = *camera.white_balance;
+  if (camera.turned_upright) json["turned_upright"] = true;
   if (summary.black_level) json["black_level"] = (*summary.black_level)[1];
   if (summary.end) json["ended_by"] = summary.end->message;
   return json_text(json, 2) + "\n";

@@ -32,11 +32,13 @@ TEST_CASE("names in a recording cannot move the cursor of a terminal") {
 }
 
 TEST_CASE(
-    "info says that estimated exposures are relative, the white balance that the camera states, and the "
-    "codec") {
+    "info says that estimated exposures are relative, the white balance that the camera states, the codec, "
+    "and "
+    "that pictures were turned") {
   const std::string path = sample::scratch_folder("info_estimated") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
   camera.white_balance = ChannelGains{2.125, 1, 1.5};
+  camera.turned_upright = true;
   auto frames = sample::frames(camera, 8, 2);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     FrameFacts& facts = frames[i].facts;
@@ -48,8 +50,8 @@ TEST_CASE(
   const auto summary = summarize(posix_storage(), path, kNeverStops);
   REQUIRE(summary.ok());
   const std::string table = as_table(summary.value(), path);
-  for (const char* words :
-       {"estimated from the pictures, relative, 4.00 EV", "8 estimated", "gains 2.125, 1, 1.5", "MB, ffv1"}) {
+  for (const char* words : {"estimated from the pictures, relative, 4.00 EV", "8 estimated",
+                            "gains 2.125, 1, 1.5", "MB, ffv1", "upright, when it was imported"}) {
     INFO(table << words);
     CHECK(table.find(words) != std::string::npos);
   }
@@ -58,6 +60,7 @@ TEST_CASE(
   CHECK(json.at("verdicts").at("estimated") == 8);
   CHECK(json.at("exposure_sources").at("estimated") == 8);
   CHECK(json.at("white_balance") == nlohmann::json{2.125, 1.0, 1.5});
+  CHECK(json.at("turned_upright") == true);
 }
 
 TEST_CASE("info calls exposures with a gain products, and those without one times") {
