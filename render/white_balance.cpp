@@ -68,12 +68,17 @@ void apply_white_balance(const ChannelGains& gains, HdrFrame& frame) {
   frame.white_balance = gains;
 }
 
+std::optional<ChannelGains> gains_of_both(const std::optional<ChannelGains>& a,
+                                          const std::optional<ChannelGains>& b) {
+  if (!a || !b) return a ? a : b;
+  ChannelGains gains;
+  std::ranges::transform(*a, *b, gains.begin(), std::multiplies());
+  return gains;
+}
+
 void balance_colours(const std::optional<ChannelGains>& wanted, HdrFrame& frame) {
-  const std::optional<ChannelGains> neutral = std::exchange(frame.neutral_gains, std::nullopt);
-  if (!neutral && !wanted) return;
-  ChannelGains gains = wanted.value_or(ChannelGains{1, 1, 1});
-  if (neutral) std::ranges::transform(gains, *neutral, gains.begin(), std::multiplies());
-  apply_white_balance(gains, frame);
+  const auto gains = gains_of_both(std::exchange(frame.neutral_gains, std::nullopt), wanted);
+  if (gains) apply_white_balance(*gains, frame);
 }
 
 }  // namespace hdrcam

@@ -30,6 +30,10 @@ Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& want
 // channel.
 void apply_white_balance(const ChannelGains& gains, HdrFrame& frame);
 
+// Those of both, one after the other.
+std::optional<ChannelGains> gains_of_both(const std::optional<ChannelGains>& a,
+                                          const std::optional<ChannelGains>& b);
+
 // The same by the frame's own neutral gains, which it then has no more, and by those that are wanted.
 void balance_colours(const std::optional<ChannelGains>& wanted, HdrFrame& frame);
 

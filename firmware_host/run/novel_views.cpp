@@ -26,7 +26,7 @@ Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_fo
   return views;
 }
 
-Result<void> NovelViews::render(const FrameEstimate& estimate) {
+Result<void> NovelViews::render(const FrameEstimate& estimate, const std::optional<ChannelGains>& gains) {
   const auto found = frames_.find(estimate.frame.facts.sequence);
   if (found == frames_.end() || !estimate.field) return {};
   const int frame = found->second;
@@ -48,6 +48,11 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
   view.T_world_camera = view.T_world_camera * T_own_novel;
   estimate.field->look(view, *pool_, novel_);
 
+  for (std::size_t c = 0; gains && c < gains->size(); ++c) {
+    const auto factor = static_cast<float>((*gains)[c]);
+    float* radiance = novel_.radiance.plane(static_cast<int>(c));
+    for (std::size_t i = 0; i < novel_.radiance.plane_size(); ++i) radiance[i] *= factor;
+  }
   ExrPicture picture;
   picture.rows = novel_.radiance.rows(), picture.cols = novel_.radiance.cols();
   for (int c = 0; c < 3; ++c)

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "hal/core/frame.h"
@@ -24,8 +25,9 @@ class NovelViews {
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const CameraFacts& camera,
                                  const std::string& folder, ExrCompression compression, WorkerPool& pool);
 
-  // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
-  Result<void> render(const FrameEstimate& estimate);
+  // gains: of the HDR frames, beside which the views are scored. Does nothing for a frame without such truth
+  // or without a field. Errors: those of the disk.
+  Result<void> render(const FrameEstimate& estimate, const std::optional<ChannelGains>& gains);
 
  private:
   NovelViews(Storage& storage, GroundTruth truth, std::string folder, ExrCompression compression,

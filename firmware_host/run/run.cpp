@@ -212,7 +212,8 @@ Result<void> Run::deliver(HdrFrame& hdr, const FrameEstimate& estimate, const Fr
   TRY(give_to_outputs(hdr, estimate, kept));
   tell_response();
   if (choice_) ask_for_exposures(estimate, kept);
-  if (novel_views_) TRY(novel_views_->render(estimate));
+  if (novel_views_)
+    TRY(novel_views_->render(estimate, gains_of_both(estimate.neutral_gains, white_balance_)));
   if (film_)
     progress_.frame_read(kept.total_ms);
   else

@@ -11,7 +11,7 @@
 #include "online/response/blur_between.h"
 #include "online/response/exposure_corrections.h"
 #include "online/response/float_order.h"
-#include "online/response/neighbour_medians.h"
+#include "online/response/sparse_channel.h"
 
 namespace hdrcam {
 namespace {
@@ -19,32 +19,6 @@ namespace {
 constexpr clip_policy::UsableCodes kUsable = clip_policy::kResponseMatch;
 constexpr double kDarkShare = 0.0005;  // of the pixels
 constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
-
-// Every step-th line of one channel of a frame: what is looked at of it.
-struct SparseChannel {
-  const Image<float>& codes;
-  int channel, step;
-
-  std::size_t pixels() const {
-    const int lines = (codes.rows() + step - 1) / step;
-    return static_cast<std::size_t>(lines) * static_cast<std::size_t>(codes.cols());
-  }
-  template <class Is>
-  std::ptrdiff_t count(Is is) const {
-    std::ptrdiff_t found = 0;
-    for (int y = 0; y < codes.rows(); y += step)
-      found += std::count_if(codes.row(channel, y), codes.row(channel, y) + codes.cols(), is);
-    return found;
-  }
-  std::vector<float> plain_codes() const {
-    std::vector<float> plain;
-    plain.reserve(pixels());
-    for (int y = 0; y < codes.rows(); y += step)
-      plain.insert(plain.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
-    return plain;
-  }
-  std::vector<float> median_codes() const { return neighbour_medians(codes, channel, step); }
-};
 
 // Of the pixels, those that are neither black in the shorter nor white in the longer frame; below 0: none.
 double share_in_both(const SparseChannel& shorter, const SparseChannel& longer) {
@@ -214,7 +188,7 @@ HistogramMatches::OfPair HistogramMatches::match(const ExposedFrame& shorter, co
     const SparseChannel dark =
         blur.any() ? SparseChannel{blurred, 0, step} : SparseChannel{shorter.codes, channel, step};
     const SparseChannel light{longer.codes, channel, step};
-    smeared_white_[c].add(shorter.codes, longer.codes, channel, step);
+    smeared_white_[c].add({shorter.codes, channel, step}, light);
     if (bounds != BlackBounds::Kept) bound_black(c, dark.plain_codes(), bounds);
     found[c] = matches_between(dark.median_codes(), light.median_codes(), scratch);
     if (!too_few(found[c].codes, share_in_both(dark, light) * kQuantiles)) continue;

@@ -6,16 +6,16 @@
 
 #include <cstddef>
 
-#include "hal/core/image.h"
+#include "online/response/sparse_channel.h"
 
 namespace hdrcam {
 
 class SmearedWhite {
  public:
-  // Of one channel of both exposures, codes [channels, rows, cols], at every step-th line. Counts pixels that
-  // the shorter one shows to be far brighter than white, and their neighbours, too: motion between the
-  // frames may move those. Nothing where hardly a pixel is white, or nearly all are.
-  void add(const Image<float>& shorter, const Image<float>& longer, int channel, int step);
+  // Of one channel of both exposures, the same lines. Counts pixels that the shorter one shows to be far
+  // brighter than white, and their neighbours, too: motion between the frames may move those. Nothing where
+  // hardly a pixel is white, or nearly all are.
+  void add(const SparseChannel& shorter, const SparseChannel& longer);
 
   // Of the pixels that are white beyond doubt, those whose code is not; 0 where too few were seen.
   double share() const;

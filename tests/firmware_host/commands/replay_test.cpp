@@ -462,16 +462,22 @@ TEST_CASE("a clip of another size is refused as the truth before the recording i
   CHECK_FALSE(fs::exists(out + "/000000.exr"));
 }
 
-TEST_CASE("novel views are compressed as the frames are") {
-  const std::string folder = sample::scratch_folder("replay_novel"), walk = folder + "/walk.mkv",
-                    clip = folder + "/clip", facts = clip + "/gt/gt.json";
-  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
-          0);
+// A clip whose frame 5 has a novel view: that of its own camera.
+void give_novel_view(const std::string& clip) {
+  const std::string facts = clip + "/gt/gt.json";
   auto truth = nlohmann::json::parse(text_of(facts));
   truth["frames"][5]["novel_c2w"] = truth["frames"][5]["c2w"];
   test::write_file(facts, truth.dump());
   fs::create_directories(clip + "/gt/novel");
   fs::copy_file(clip + "/gt/hdr/0005.exr", clip + "/gt/novel/0005.exr");
+}
+
+TEST_CASE("novel views are compressed as the frames are") {
+  const std::string folder = sample::scratch_folder("replay_novel"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
+          0);
+  give_novel_view(clip);
   for (const std::string compression : {"none", "zip"}) {
     const std::string out = folder + "/" + compression;
     const RanHere ended = ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "--compression",
@@ -487,4 +493,26 @@ TEST_CASE("novel views are compressed as the frames are") {
       CHECK(int{bytes.at(at + name.size() + kSize)} == (compression == "none" ? 0 : 3));
     }
   }
+}
+
+TEST_CASE("novel views have the white balance of the frames beside which they are scored") {
+  const std::string folder = sample::scratch_folder("replay_novel_white"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
+          0);
+  give_novel_view(clip);
+  const auto red = [&](const std::string& balance) {
+    const std::string out = folder + "/" + balance.substr(0, 1);
+    const RanHere ended = ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "--white-balance",
+                                    balance, "-o", out + "/%06d.exr"});
+    INFO(ended.err);
+    REQUIRE(ended.exit_code == 0);
+    const ExrImage view = read_exr(posix_storage(), out + "/novel/000005.exr").value();
+    const auto at = [&](const char* name) { return view.samples.at(view.find(name).value(), 16, 16); };
+    return std::pair(at("R"), at("G"));
+  };
+  const auto plain = red("1,1,1"), balanced = red("4,1,1");
+  REQUIRE(plain.first > 0);
+  CHECK(balanced.first / plain.first == Approx(4).epsilon(0.01));
+  CHECK(balanced.second == plain.second);
 }

@@ -31,8 +31,9 @@ struct Pictures {
         .codes;
   }
   double share() const {
+    const Image<float> dark = shorter(), light = longer();
     SmearedWhite smeared;
-    for (int frames = 0; frames < 4; ++frames) smeared.add(shorter(), longer(), 1, 1);
+    for (int frames = 0; frames < 4; ++frames) smeared.add({dark, 1, 1}, {light, 1, 1});
     return smeared.share();
   }
 };
