@@ -87,10 +87,6 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
     return Error{ErrorCode::Invalid,
                  fmt::format("{} '{}' names a folder; name a file in it", output.flag, output.path)};
   place.facts = TRY(storage.look_at(output.path));
-  if (place.facts.kind == FileKind::Missing && FramePattern::is_one(output.path))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("{} '{}' numbers files, and this is one file; name it without a number",
-                             output.flag, output.path)};
   return place;
 }
 

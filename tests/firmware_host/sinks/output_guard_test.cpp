@@ -175,7 +175,6 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
   refused({"--preview", "o/%06d.exr", OutputKind::Frames, ".png"}, "does not end in '.png'");
   refused({"--depth", "o/depth.png", OutputKind::Frames, ".png"}, "would put every frame into one file");
   refused({"--stats", "o/", OutputKind::Page}, "names a folder");
-  refused({"--sheet", "o/sheet_%03d.png", OutputKind::Picture}, "numbers files, and this is one file");
   CHECK_FALSE(fs::exists(desk.folder + "/o"));
 }
 
