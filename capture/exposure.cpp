@@ -90,7 +90,8 @@ Result<Duration> parse_duration(std::string_view text) {
   if (!seconds || !is_within(*seconds, kShortest_s, kLongest_s))
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is {}; write it like 4ms, 250us, 1/250 or 0.004s", text,
-                             seconds ? "outside 0.001us to 3600s" : "not a duration")};
+                             seconds ? fmt::format("outside {:g}us to {:g}s", kShortest_s * 1e6, kLongest_s)
+                                     : "not a duration")};
   return from_seconds(*seconds);
 }
 

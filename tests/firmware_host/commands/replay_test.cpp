@@ -462,8 +462,10 @@ TEST_CASE("a clip of another size is refused as the truth before the recording i
   CHECK_FALSE(fs::exists(out + "/000000.exr"));
 }
 
-// A clip whose frame 5 has a novel view: that of its own camera.
-void give_novel_view(const std::string& clip) {
+// Makes a recording and its clip, whose frame 5 has a novel view: that of its own camera.
+void simulate_novel_view(const std::string& recording, const std::string& clip) {
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", recording, "--truth", clip})
+              .exit_code == 0);
   const std::string facts = clip + "/gt/gt.json";
   auto truth = nlohmann::json::parse(text_of(facts));
   truth["frames"][5]["novel_c2w"] = truth["frames"][5]["c2w"];
@@ -475,9 +477,7 @@ void give_novel_view(const std::string& clip) {
 TEST_CASE("novel views are compressed as the frames are") {
   const std::string folder = sample::scratch_folder("replay_novel"), walk = folder + "/walk.mkv",
                     clip = folder + "/clip";
-  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
-          0);
-  give_novel_view(clip);
+  simulate_novel_view(walk, clip);
   for (const std::string compression : {"none", "zip"}) {
     const std::string out = folder + "/" + compression;
     const RanHere ended = ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "--compression",
@@ -498,9 +498,7 @@ TEST_CASE("novel views are compressed as the frames are") {
 TEST_CASE("novel views have the white balance of the frames beside which they are scored") {
   const std::string folder = sample::scratch_folder("replay_novel_white"), walk = folder + "/walk.mkv",
                     clip = folder + "/clip";
-  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
-          0);
-  give_novel_view(clip);
+  simulate_novel_view(walk, clip);
   const auto red = [&](const std::string& balance) {
     const std::string out = folder + "/" + balance.substr(0, 1);
     const RanHere ended = ran_here({"replay", walk, "--preset", "fast", "--truth", clip, "--white-balance",
