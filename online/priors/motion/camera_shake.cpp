@@ -85,7 +85,8 @@ Offset CameraShake::measure(const Image<float>& frame, const Image<float>& state
   shrink(frame, state);
   std::array<std::optional<Told>, 2> told;
   pool.for_each(2, [&](int half) { told[static_cast<std::size_t>(half)] = follow(half, predicted, ratio); });
-  const auto& [a, b] = told;
+  const std::optional<Told>& a = told[0];
+  const std::optional<Told>& b = told[1];
   if (!a || !b) return {};
   const Offset &p = a->moved, &q = b->moved;
   const Offset both{(p.x + q.x) / 2, (p.y + q.y) / 2}, apart{p.x - q.x, p.y - q.y};
