@@ -91,5 +91,6 @@ int main(int argc, char** argv) {
   stop_cleanly_at_first<SIGTERM>();
   stop_cleanly_on_hangup();
   const std::span<const char* const> args(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0));
-  return hdrcam::run_program(args, hdrcam::posix_storage(), stop_requested, std::cout, std::cerr);
+  const auto storage = hdrcam::stoppable_posix_storage(stop_requested);
+  return hdrcam::run_program(args, *storage, stop_requested, std::cout, std::cerr);
 }

@@ -2,6 +2,7 @@
 // disk and a power cut can be tested. Thread-safe: distinct files may be used from distinct threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,7 +45,7 @@ bool same_file(const FileFacts& a, const FileFacts& b);
 
 // What happens to an existing file.
 enum class Creation {
-  Replace,  // it is emptied; a device or a FIFO is written to
+  Replace,  // it is emptied; a device is written to, and a FIFO once a program reads it
   New,      // Exists; a symbolic link counts as existing, wherever it points
 };
 
@@ -67,6 +68,8 @@ class Storage {
 
 // The file system of this machine.
 Storage& posix_storage();
+// The same; `stop` ends the wait for a program that reads a FIFO (Interrupted), and outlives the storage.
+std::unique_ptr<Storage> stoppable_posix_storage(const std::atomic<bool>& stop);
 
 // Whether anything is at the path; false also where it cannot be told.
 bool is_there(Storage& storage, const std::string& path);

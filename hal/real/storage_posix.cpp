@@ -6,12 +6,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "hal/descriptor.h"
@@ -190,6 +193,8 @@ class PosixFile : public StorageFile {
 
 class PosixStorage : public Storage {
  public:
+  explicit PosixStorage(const std::atomic<bool>& stop) : stop_(stop) {}
+
   // A FIFO would be waited for, and neither it nor a device has the offsets and the size to be read by.
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override {
     struct stat there {};
@@ -202,7 +207,7 @@ class PosixStorage : public Storage {
     if (how == Creation::New) return opened(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, "write");
     struct stat there {};
     if (::stat(path.c_str(), &there) == 0 && kind_of(there) == FileKind::Other)
-      return opened(path, O_WRONLY, "write");  // a FIFO opened to read as well would be its own reader
+      return S_ISFIFO(there.st_mode) ? opened_fifo(path) : opened(path, O_WRONLY, "write");
     return opened(path, O_RDWR | O_CREAT | O_TRUNC, "write");
   }
   Result<void> rename(const std::string& from, const std::string& to, Creation how) override {
@@ -271,6 +276,28 @@ class PosixStorage : public Storage {
     }
     return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(std::move(fd), path));
   }
+
+  // Once a program reads it; opened to read as well it would be its own reader. The kernel's own wait would
+  // not end with a clean stop, so it is asked again and again.
+  Result<std::unique_ptr<StorageFile>> opened_fifo(const std::string& path) const {
+    constexpr std::chrono::milliseconds kBetweenTries{20};
+    for (;;) {
+      Descriptor fd(::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+      if (fd.is_open()) {
+        if (::fcntl(fd.get(), F_SETFL, 0) != 0) return error_of(errno, "write", path);  // writes do wait
+        return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(std::move(fd), path));
+      }
+      if (errno != ENXIO) return error_of(errno, "write", path);
+      if (stop_)
+        return Error{ErrorCode::Interrupted,
+                     fmt::format("stopped while no program read the FIFO '{}'; start one that reads it, and "
+                                 "run again",
+                                 path)};
+      std::this_thread::sleep_for(kBetweenTries);
+    }
+  }
+
+  const std::atomic<bool>& stop_;
 };
 
 }  // namespace
@@ -281,8 +308,13 @@ std::unique_ptr<StorageFile> standard_output() {
 }
 
 Storage& posix_storage() {
-  static PosixStorage storage;
+  static constinit const std::atomic<bool> never{false};
+  static PosixStorage storage(never);
   return storage;
+}
+
+std::unique_ptr<Storage> stoppable_posix_storage(const std::atomic<bool>& stop) {
+  return std::make_unique<PosixStorage>(stop);
 }
 
 }  // namespace hdrcam

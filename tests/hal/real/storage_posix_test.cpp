@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -16,8 +17,10 @@
 #include <thread>
 #include <vector>
 
+#include "hal/descriptor.h"
 #include "hal/standard_output.h"
 #include "hal/storage.h"
+#include "tests/support/becomes_true.h"
 #include "tests/support/scratch_folder.h"
 
 #include "tests/support/files.h"
@@ -198,6 +201,30 @@ TEST_CASE("a FIFO is written through, not replaced") {
   CHECK(read == "statistics");
   CHECK(fs::is_fifo(fifo));
   CHECK_FALSE(FileInMaking::beside(posix_storage(), fifo).ok());
+}
+
+TEST_CASE("a FIFO that no program reads is waited for until somebody asks to stop") {
+  const ScratchFolder folder;
+  const std::string fifo = folder / "fifo";
+  REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+  std::atomic<bool> stop{false}, ended{false};
+  const auto storage = stoppable_posix_storage(stop);
+  Result<void> written;
+  std::thread writer([&] {
+    written = write_whole(*storage, fifo, bytes_of("statistics"));
+    ended = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK_FALSE(ended);
+  stop = true;
+  const bool ended_in_time = test::becomes_true([&] { return ended.load(); });
+  const Descriptor reader(ended_in_time ? -1 : ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  writer.join();
+  CHECK(ended_in_time);
+  require_error(written, ErrorCode::Interrupted);
+  CHECK(written.error().message ==
+        fmt::format("stopped while no program read the FIFO '{}'; start one that reads it, and run again",
+                    fifo));
 }
 
 TEST_CASE("a standard output that does not block is waited for") {
