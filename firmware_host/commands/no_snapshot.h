@@ -8,8 +8,9 @@
 
 namespace hdrcam {
 
-// Before the file is opened as a recording or as footage: only then is it found out whether it is there, and
-// what else it is. Errors: NotRecording for a snapshot; those of reading its first bytes.
+// Before the file is opened as a recording or as footage, and before the folder of an output is made, which
+// may be of that name. Errors: NotFound where nothing is; NotRecording for a snapshot; those of reading its
+// first bytes.
 Result<void> check_no_snapshot(Storage& storage, const std::string& file);
 
 }  // namespace hdrcam

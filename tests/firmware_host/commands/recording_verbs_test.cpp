@@ -376,6 +376,18 @@ TEST_CASE("a recording is one file, so its name has no number for each frame or 
   CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/50%.mkv").ok());
 }
 
+TEST_CASE("what is missing is called so, also where the output would go into a folder of its name") {
+  const std::string missing = sample::scratch_folder("missing_input") + "/missing";
+  const std::string into = " " + missing + " -o " + missing;
+  for (const std::string& line : {"import" + into + "/x.mkv", "repair" + into + "/x.mkv", "export" + into}) {
+    INFO(line);
+    const Error refused = sample::error_of(hdrcam_verb(line));
+    CHECK(refused.code == ErrorCode::NotFound);
+    CHECK(refused.message == fmt::format("'{}' does not exist", missing));
+    CHECK_FALSE(std::filesystem::exists(missing));
+  }
+}
+
 TEST_CASE("a clip or a picture in place of a recording leads to import, and two clips to one at a time") {
   const std::string folder = sample::scratch_folder("no_recording");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);

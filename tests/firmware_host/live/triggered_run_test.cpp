@@ -129,11 +129,12 @@ TEST_CASE("lines that cannot be are refused with what to change") {
                            "--trigger", "fsync"}),
                      ErrorCode::Invalid),
              Contains("'gpiochip77:3'") && Contains("the same line"));
+  const std::string replayed = "replay:" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
   for (const char* pace : {"fit", "realtime"})
-    CHECK_THAT(refused(with({"replay:walk.mkv", "--pace", pace, "--trigger-line", "gpiochip0:3", "--trigger",
-                             "pulse-width"}),
-                       ErrorCode::Unsupported),
-               Contains("'replay:walk.mkv' cannot be triggered"));
+    CHECK_THAT(
+        refused(with({replayed, "--pace", pace, "--trigger-line", "gpiochip0:3", "--trigger", "pulse-width"}),
+                ErrorCode::Unsupported),
+        Contains(fmt::format("'{}' cannot be triggered", replayed)));
   CHECK_THAT(refused(with({"sim:walk", "--trigger-line", "sim", "--trigger", "pulse-width", "--framerate",
                            "30", "--shutter", "1ms,30ms", "--trigger-gap", "5ms"}),
                      ErrorCode::BadExposure),
