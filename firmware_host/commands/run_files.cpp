@@ -53,7 +53,8 @@ std::vector<NamedOutput> files_of(const SinkKind& sink, const std::string& path)
   std::vector<NamedOutput> files{file_of(sink, path)};
   if (sink.name == sink_name::kFrames && files.front().kind == OutputKind::Frames)
     if (const auto pattern = FramePattern::parse(files.front().flag, path, sink.extension))
-      files.push_back({"the list beside --output", FrameLedger::path_beside(pattern.value())});
+      files.push_back(
+          {"the list beside --output", FrameLedger::path_beside(pattern.value()), OutputKind::List});
   return files;
 }
 

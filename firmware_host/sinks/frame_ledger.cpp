@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace hdrcam {
 namespace {
+
+constexpr std::string_view kName = "frames.csv";
 
 // As RFC 4180 has it.
 std::string cell(const std::string& text) {
@@ -19,8 +22,10 @@ std::string cell(const std::string& text) {
 }  // namespace
 
 std::string FrameLedger::path_beside(const FramePattern& frames) {
-  return fmt::format("{}/{}frames.csv", frames.folder(), frames.name_before());
+  return fmt::format("{}/{}{}", frames.folder(), frames.name_before(), kName);
 }
+
+bool FrameLedger::is_one(const std::string& path) { return path.ends_with(kName); }
 
 Result<FrameLedger> FrameLedger::create(Storage& storage, const FramePattern& frames) {
   FileInMaking making = TRY(FileInMaking::beside(storage, path_beside(frames)));

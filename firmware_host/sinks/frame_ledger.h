@@ -18,6 +18,8 @@ namespace hdrcam {
 class FrameLedger {
  public:
   static std::string path_beside(const FramePattern& frames);
+  // By its name.
+  static bool is_one(const std::string& path);
 
   // The folder of the frames exists. A ledger of an earlier run is replaced by take_name() or with the first
   // line, so that a run that never had a frame leaves it. Errors: those of the disk.

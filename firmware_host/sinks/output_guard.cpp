@@ -10,6 +10,7 @@
 
 #include "firmware_host/sinks/dash.h"
 #include "firmware_host/sinks/earlier_frames.h"
+#include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
@@ -104,7 +105,7 @@ Result<void> check_earlier_work_stays(Storage& storage, const Place& place, Outp
                              "replace it with --force",
                              place.words, place.path)};
   const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Scene ||
-                       kind == OutputKind::Document || kind == OutputKind::Poses;
+                       kind == OutputKind::Document || kind == OutputKind::Poses || kind == OutputKind::List;
   if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another place, or replace it "
                                                 "with --force",
@@ -138,8 +139,9 @@ bool holds_poses(const std::string& path) {
   return name == "transforms.json" || std::ranges::find(kColmapFiles, name) != kColmapFiles.end();
 }
 
-// A page may replace a page, a picture of the run such a picture, a scene a scene, a document a document, and
-// poses poses, but never a frame, footage, a recording or what describes them that was named by mistake.
+// A page may replace a page, a picture of the run such a picture, a scene a scene, a document a document,
+// poses poses, and a list a list, but never a frame, footage, a recording or what describes them that was
+// named by mistake.
 Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
@@ -147,13 +149,15 @@ Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind
   const std::string extension = lower_extension(path);
   const bool own = (kind == OutputKind::Picture && extension == ".png") ||
                    (kind == OutputKind::Scene && extension == kSceneExtension) ||
-                   (kind == OutputKind::Poses && holds_poses(path));
+                   (kind == OutputKind::Poses && holds_poses(path)) ||
+                   (kind == OutputKind::List && FrameLedger::is_one(path));
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
-                    extension == kSceneExtension ||
+                    extension == kSceneExtension || FrameLedger::is_one(path) ||
                     (kind != OutputKind::Document && (describes_work(path) || holds_poses(path)));
   if (own || !work) return {};
   const char* replaced = describes_work(path)           ? "a clip or settings"
                          : holds_poses(path)            ? "the poses of pictures"
+                         : FrameLedger::is_one(path)    ? "the list of an earlier run's frames"
                          : extension == kSceneExtension ? "a saved scene"
                                                         : "a picture or a recording";
   return Error{ErrorCode::Invalid,

@@ -27,6 +27,7 @@ enum class OutputKind {
   Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
   Scene,      // a snapshot: an earlier one stays unless --force
   Poses,      // of the pictures, for other tools: earlier ones, of whatever program, stay unless --force
+  List,       // of the frames, beside them (frame_ledger.h): an earlier one stays unless --force
   Page,       // statistics, a report: every run replaces them
   Picture,    // a page that is a PNG, such as a contact sheet; a numbered PNG stays unless --force
 };

@@ -256,6 +256,20 @@ TEST_CASE("no page, sheet, list or snapshot takes the place of a recording or a 
   }
 }
 
+TEST_CASE("an earlier list of frames stays without --force, also where the frames are named otherwise") {
+  const std::string folder = sample::scratch_folder("kept_frame_list"), list = folder + "/frames.csv";
+  put(list, "an earlier list");
+  const std::vector<std::string> words =
+      joined({"replay", kDemo, "--frames", "6", "-o", folder + "/%06d_b.exr"}, kQuick);
+  const RanHere run = ran_here(words);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::Exists));
+  CHECK_THAT(run.err,
+             Contains("the list beside --output '" + list + "' exists already") && Contains("--force"));
+  CHECK(text_of(list) == "an earlier list");
+  CHECK(ran_here(joined(words, {"--force"})).exit_code == 0);
+  CHECK_THAT(text_of(list), Contains("_b.exr"));
+}
+
 TEST_CASE("poses for other tools stay without --force, whoever made them") {
   const std::string folder = sample::scratch_folder("kept_poses"), transforms = folder + "/transforms.json",
                     points = folder + "/points3D.txt";

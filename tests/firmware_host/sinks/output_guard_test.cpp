@@ -148,6 +148,25 @@ TEST_CASE("poses take the place of poses with --force only, and of no file of an
                   ErrorCode::Invalid);
 }
 
+TEST_CASE("a list of frames takes the place of a list with --force only, and no page does") {
+  const Desk desk("guard_list");
+  for (const char* list : {"out/frames.csv", "out/a_frames.csv"}) {
+    INFO(list);
+    const std::vector<NamedOutput> outputs{{"the list beside --output", list, OutputKind::List}};
+    require_done(desk.check(outputs));
+    desk.put(list);
+    require_error(desk.check(outputs), ErrorCode::Exists);
+    require_done(desk.check(outputs, Overwrite::Force));
+    const Result<void> page = desk.check({{"--stats", list}}, Overwrite::Force);
+    require_error(page, ErrorCode::Invalid);
+    CHECK_THAT(page.error().message, Catch::Contains("would replace the list of an earlier run's frames"));
+  }
+  fs::create_symlink("../walk.mkv", desk.folder + "/out/linked_frames.csv");
+  require_error(
+      desk.check({{"the list beside --output", "out/linked_frames.csv", OutputKind::List}}, Overwrite::Force),
+      ErrorCode::Invalid);
+}
+
 TEST_CASE("a contact sheet takes the place of a numbered picture with --force only") {
   const Desk desk("guard_numbered");
   for (const char* picture : {"out/000001.png", "frame_0041.png", "IMG_1234.PNG"}) {
