@@ -31,13 +31,26 @@ struct NameSet {
   FramePattern pattern;
 };
 
+// Of /dev/null, with which other programs are timed, and of a FIFO.
+Error takes_no_files(const NamedOutput& frames) {
+  return {ErrorCode::Invalid,
+          fmt::format("{} '{}' is a device or a FIFO, which takes no numbered files; leave it out and give "
+                      "--stats stats.json to time a run without them{}",
+                      frames.flag, frames.path,
+                      frames.flag == "--output" ? ", or give --output - to pipe the frames" : "")};
+}
+
 Result<NameSet> names_of(Storage& storage, const NamedOutput& frames) {
   const fs::path path(frames.path);
   const std::string own = path.extension().string();
   auto pattern =
-      TRY(FramePattern::parse(frames.flag, frames.path, frames.extension.empty() ? own : frames.extension));
+      FramePattern::parse(frames.flag, frames.path, frames.extension.empty() ? own : frames.extension);
+  if (!pattern) {
+    const auto there = storage.look_at(frames.path);
+    return there && there.value().kind == FileKind::Other ? takes_no_files(frames) : pattern.error();
+  }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return NameSet{TRY(storage.look_at(folder.string())).real_path, std::move(pattern)};
+  return NameSet{TRY(storage.look_at(folder.string())).real_path, std::move(pattern).value()};
 }
 
 // The place of an input or an output on the disk.

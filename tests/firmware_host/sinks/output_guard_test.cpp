@@ -197,6 +197,19 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
   CHECK_FALSE(fs::exists(desk.folder + "/o"));
 }
 
+TEST_CASE("who names a device for frames, to time a run without them, learns how that is done") {
+  const Desk desk("guard_device");
+  const Result<void> frames = desk.check({{"--output", "/dev/null", OutputKind::Frames, ".exr"}});
+  require_error(frames, ErrorCode::Invalid);
+  CHECK(frames.error().message ==
+        "--output '/dev/null' is a device or a FIFO, which takes no numbered files; leave it out and give "
+        "--stats stats.json to time a run without them, or give --output - to pipe the frames");
+  const Result<void> previews = desk.check({{"--preview", "/dev/null", OutputKind::Frames, ".png"}});
+  require_error(previews, ErrorCode::Invalid);
+  CHECK(previews.error().message.ends_with("to time a run without them"));
+  require_error(desk.check({{"--output", "out", OutputKind::Frames, ".exr"}}), ErrorCode::Invalid);
+}
+
 TEST_CASE("a scene takes the place of a scene with --force only, and of no file of another kind") {
   const Desk desk("guard_scene");
   for (const char* file : {"s.hdrscene", "S.HDRSCENE", "take.mkv", "film.mp4", "000001.exr", "clip.json"})
