@@ -80,7 +80,8 @@ class CaptureStage {
   // The schedule of another cycle. Errors: those of ExposureSchedule::create and PulseTrain::check. May be
   // called from any thread.
   Result<ExposureSchedule> schedule_of(std::span<const Exposure> cycle) const;
-  // Makes later requests follow another cycle. Errors: those of schedule_of().
+  // Makes later requests follow another cycle. Errors: those of schedule_of(); after them, and after what it
+  // throws, the cycle is as it was.
   Result<void> change_cycle(std::span<const Exposure> cycle);
   // The same for one that the light or the fit asks for; counted.
   Result<void> follow(std::span<const Exposure> cycle);

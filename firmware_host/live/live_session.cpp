@@ -330,13 +330,21 @@ void LiveSession::take_cycle() {
     if (!wanted_cycle_) return;
     wanted = std::exchange(wanted_cycle_, std::nullopt);
   }
-  const auto slots = static_cast<std::size_t>(capture_.schedule().slots());
-  if (wanted->exposures.size() != slots)
-    wanted->done.set_value(
-        Error{ErrorCode::Invalid, fmt::format("the cycle of this run has {} exposures, not {}; give as many",
-                                              slots, wanted->exposures.size())});
+  Result<void> adopted;
+  const std::exception_ptr thrown = thrown_by([&] { adopted = adopt_cycle(wanted->exposures); });
+  if (thrown == nullptr)
+    wanted->done.set_value(std::move(adopted));
   else
-    wanted->done.set_value(capture_.change_cycle(wanted->exposures));
+    wanted->done.set_exception(thrown);
+}
+
+Result<void> LiveSession::adopt_cycle(std::span<const Exposure> cycle) {
+  const auto slots = static_cast<std::size_t>(capture_.schedule().slots());
+  if (cycle.size() != slots)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("the cycle of this run has {} exposures, not {}; give as many", slots, cycle.size())};
+  return capture_.change_cycle(cycle);
 }
 
 LiveCounters LiveSession::counters() const {

@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -121,6 +122,8 @@ class LiveSession {
   Result<void> stop_recording();
   // Later requests follow this cycle of as many exposures. Errors: those of CaptureStage::change_cycle;
   // Invalid for another number of exposures; Timeout where no frame arrives; Interrupted where the run ends.
+  // What the change throws on the capturing thread, such as std::bad_alloc, is thrown here alone: the run
+  // goes on with the cycle before.
   Result<void> change_cycle(std::vector<Exposure> cycle);
 
  private:
@@ -150,6 +153,7 @@ class LiveSession {
   void count_shed(int frames);
   void take_feedback();
   void take_cycle();
+  Result<void> adopt_cycle(std::span<const Exposure> cycle);
   std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording, StartedBy started_by);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
 

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -217,6 +218,8 @@ struct HttpCallbacks {
   static HttpAnswer answer_to(const Arriving& arrived) {
     try {
       return arrived.route->answer(arrived.request);
+    } catch (const std::bad_alloc&) {
+      return http_error(500, "no memory is left; end other programs and try again");
     } catch (const std::exception& failure) {
       return http_error(500, fmt::format("internal error: {}", failure.what()));
     }

@@ -81,6 +81,31 @@ class CameraWithoutMemory : public FaultyCamera {
   const std::uint64_t frames_;
 };
 
+// Memory ends once, between two frames, where the capturing thread changes the cycle.
+class CameraWithoutMemoryForCycle : public FaultyCamera {
+ public:
+  explicit CameraWithoutMemoryForCycle(std::unique_ptr<Camera> inner) : FaultyCamera(std::move(inner), {}) {}
+  void end_memory() { ends_ = true; }
+
+  const CameraCapabilities& capabilities() const override {
+    if (between_frames_ && ends_.exchange(false)) throw std::bad_alloc();
+    return FaultyCamera::capabilities();
+  }
+  Result<void> queue(const ExposureRequest& request) override {
+    between_frames_ = true;
+    return FaultyCamera::queue(request);
+  }
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    Result<CapturedBuffer> waited = FaultyCamera::wait(timeout);
+    between_frames_ = false;  // until the request for the next one
+    return waited;
+  }
+
+ private:
+  mutable std::atomic<bool> ends_{false};
+  bool between_frames_ = false;
+};
+
 void check_sums(const LiveCounters& counters) {
   CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.in_fit);
   CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
@@ -211,6 +236,26 @@ TEST_CASE("who asks for a cycle while a run ends hears so with its last frame, n
   while (session.next({})) {
   }
   require_error(session.change_cycle(cycle), ErrorCode::Interrupted);
+  CHECK(value_of(session.finish()) == LiveEnd::Stopped);
+}
+
+TEST_CASE("what a change of the cycle throws reaches who asked for it, and the run goes on") {
+  const std::vector<Exposure> cycle{{milliseconds(2), 1}, {milliseconds(6), 1}};
+  const Simulation simulation = value_of(simulation_of("still?size=64x48&fps=100"));
+  CameraWithoutMemoryForCycle camera(std::make_unique<SimulatedCamera>(simulation, SimTime(), 1));
+  const auto capture = capture_of(camera, simulation, kCycle);
+  std::atomic<bool> stop{false};
+  LiveSession session(*capture, nullptr, {});
+  require_done(session.start(stop));
+  camera.end_memory();
+  CHECK_THROWS_AS(session.change_cycle(cycle), std::bad_alloc);
+  CHECK(capture->schedule().slot(0).asked.time == kCycle.front().time);
+  const std::uint64_t captured = session.counters().captured();
+  require_done(session.change_cycle(cycle));
+  CHECK(test::becomes_true([&] { return session.counters().captured() > captured; }));
+  stop = true;
+  while (session.next({})) {
+  }
   CHECK(value_of(session.finish()) == LiveEnd::Stopped);
 }
 

@@ -2,6 +2,7 @@
 #include "firmware_host/web/http_server.h"
 
 #include <chrono>
+#include <new>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -35,9 +36,10 @@ std::unique_ptr<HttpServer> open_server(const HttpLimits& limits = {}) {
   routes.push_back({"/act", HttpAccess::Token, [](const HttpRequest& request) {
                       return HttpAnswer{.body = http_body("did " + request.body)};
                     }});
-  routes.push_back({"/fails", HttpAccess::Open, [](const HttpRequest&) -> HttpAnswer {
-                      throw std::runtime_error("no memory for this answer");
-                    }});
+  routes.push_back({"/fails", HttpAccess::Open,
+                    [](const HttpRequest&) -> HttpAnswer { throw std::runtime_error("no such thing"); }});
+  routes.push_back(
+      {"/fills", HttpAccess::Open, [](const HttpRequest&) -> HttpAnswer { throw std::bad_alloc(); }});
   return value_of(HttpServer::open({"127.0.0.1", 0}, kToken, std::move(routes), limits));
 }
 
@@ -166,7 +168,10 @@ TEST_CASE("a route that throws costs its client the answer, and nobody else anyt
   HttpClient client = client_of(*server);
   const HttpReply reply = client.get("/fails");
   CHECK(reply.status == 500);
-  CHECK(reply.body == R"({"error":"internal error: no memory for this answer"})");
+  CHECK(reply.body == R"({"error":"internal error: no such thing"})");
+  const HttpReply without_memory = client.get("/fills");
+  CHECK(without_memory.status == 500);
+  CHECK(without_memory.body == R"({"error":"no memory is left; end other programs and try again"})");
   CHECK(client.get("/hello").body == "hello");
   CHECK(client_of(*server).get("/hello").body == "hello");
 }
