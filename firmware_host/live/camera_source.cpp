@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <span>
 
@@ -10,6 +11,7 @@
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/memory_need.h"
 #include "hal/core/counted.h"
+#include "hal/core/thrown_by.h"
 
 namespace hdrcam {
 namespace {
@@ -183,10 +185,12 @@ Result<std::string> CameraSource::start_recording() {
   TRY(session_->may_record());
   const std::uint64_t before = session_->counters().in_takes;
   Takes::Created take = TRY(takes_->create(facts_));
-  if (const Result<void> started = session_->start_recording(std::move(take.writer)); !started) {
-    takes_->discard(take.path);  // the run ended meanwhile
-    return started.error();
-  }
+  Result<void> started;
+  const std::exception_ptr thrown =
+      thrown_by([&] { started = session_->start_recording(std::move(take.writer)); });
+  if (!started || thrown != nullptr) takes_->discard(take.path);  // the run ended meanwhile, or the memory
+  if (thrown != nullptr) std::rethrow_exception(thrown);
+  TRY(started);
   takes_->started(take.path, before);
   recording_ = take.path;
   return recording_;

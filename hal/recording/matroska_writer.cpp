@@ -25,6 +25,23 @@ namespace {
 constexpr Duration kSyncInterval = std::chrono::seconds(1);
 constexpr AVRational kMilliseconds = {1, 1000};
 
+// A new file, which goes unless it gets its header: an empty one is no recording.
+class EmptyFile {
+ public:
+  // Both outlive it.
+  EmptyFile(Storage& storage, const std::string& path) : storage_(&storage), path_(path) {}
+  EmptyFile(const EmptyFile&) = delete;
+  EmptyFile& operator=(const EmptyFile&) = delete;
+  ~EmptyFile() {
+    if (storage_ != nullptr) (void)storage_->remove(path_);
+  }
+  void keep() { storage_ = nullptr; }
+
+ private:
+  Storage* storage_;
+  const std::string& path_;
+};
+
 class MatroskaWriter : public RecordingWriter {
  public:
   static Result<std::unique_ptr<RecordingWriter>> create(Storage& storage, const std::string& path,
@@ -80,16 +97,16 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
     return Error{ErrorCode::Permission,
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
   std::optional<FileInMaking> making;
+  std::optional<EmptyFile> empty;
   if (how == Creation::Replace) making.emplace(TRY(FileInMaking::beside(storage, path)));
   auto file = TRY(making ? making->create() : storage.create(path, Creation::New));
+  if (how == Creation::New) empty.emplace(storage, path);
   TRY(file->hold());
   std::unique_ptr<MatroskaWriter> writer(
       new MatroskaWriter(storage, there.real_path, std::move(making), std::move(file), std::move(encoder)));
   if (there.kind == FileKind::Missing) writer->naming_ = Durability::WrittenBack;  // there is nothing to lose
-  if (const auto begun = writer->write_header(camera); !begun) {
-    if (how == Creation::New) (void)storage.remove(path);  // an empty file is no recording
-    return begun.error();
-  }
+  TRY(writer->write_header(camera));
+  if (empty) empty->keep();
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
 

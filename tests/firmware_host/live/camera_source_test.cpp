@@ -6,15 +6,18 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <set>
 #include <thread>
 
 #include "firmware_host/live/live_report.h"
 #include "hal/core/counted.h"
 #include "hal/fault/faulty_storage.h"
+#include "tests/allocations.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/becomes_true.h"
+#include "tests/support/not_tested.h"
 #include "tests/support/refused_threads.h"
 
 namespace hdrcam {
@@ -175,6 +178,24 @@ TEST_CASE("a recording for which the system starts no thread is refused in a sen
   }
   CHECK(std::filesystem::is_empty(folder + "/takes"));
   CHECK(run.control().recording().empty());
+  CHECK(value_of(run.control().start_recording()) == folder + "/takes/01.mkv");
+}
+
+TEST_CASE("a recording for which memory ends as it is started leaves no file, and the run goes on") {
+  if (!allocations_are_counted()) {
+    NOT_TESTED("a sanitizer brings operators of its own, and memory cannot be made to end");
+    return;
+  }
+  const std::string folder = sample::scratch_folder("take_without_memory");
+  Running run(settings_of(folder));
+  REQUIRE(run.more_frames(1));
+  {
+    const EndOfMemory end_of_memory(16 << 10);  // less than the recorder's queue for 4096 frames
+    CHECK_THROWS_AS(run.control().start_recording(), std::bad_alloc);
+  }
+  CHECK(std::filesystem::is_empty(folder + "/takes"));
+  CHECK(run.control().recording().empty());
+  REQUIRE(run.more_frames(1));
   CHECK(value_of(run.control().start_recording()) == folder + "/takes/01.mkv");
 }
 

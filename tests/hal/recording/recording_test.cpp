@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <new>
 #include <utility>
 
 #include "hal/fault/faulty_storage.h"
@@ -281,6 +282,39 @@ TEST_CASE("a new recording for which the disk has no room leaves no file, and an
   require_done(sample::record(posix_storage(), path, camera, sample::frames(camera, 1, 1)));
   require_error(begun(), ErrorCode::Exists);
   CHECK(sample::replay(posix_storage(), path).frames.size() == 1);
+}
+
+namespace {
+
+// Memory ends with each new file, once it is there.
+class DiskOfLastMemory : public ForwardingStorage {
+ public:
+  using ForwardingStorage::ForwardingStorage;
+  Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
+    TRY(ForwardingStorage::create(path, how));
+    return std::unique_ptr<StorageFile>(std::make_unique<LastFile>());
+  }
+
+ private:
+  struct LastFile : StorageFile {
+    Result<std::size_t> read_at(std::uint64_t, std::span<std::byte>) override { return std::size_t{0}; }
+    Result<void> write_at(std::uint64_t, std::span<const std::byte>) override { return {}; }
+    Result<std::uint64_t> size() override { return std::uint64_t{0}; }
+    Result<void> sync() override { return {}; }
+    Result<void> hold() override { throw std::bad_alloc(); }
+  };
+};
+
+}  // namespace
+
+TEST_CASE("a recording for which memory ends as it is begun leaves no file") {
+  const std::string folder = sample::scratch_folder("begun_without_memory");
+  DiskOfLastMemory disk(posix_storage());
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 64, 48);
+  for (const Creation how : {Creation::New, Creation::Replace}) {
+    CHECK_THROWS_AS(create_recording(disk, folder + "/x.mkv", camera, how), std::bad_alloc);
+    CHECK(std::filesystem::is_empty(folder));
+  }
 }
 
 TEST_CASE("an error in the middle of a recording names the file that was asked for") {
