@@ -244,7 +244,7 @@ Result<void> check_flags(const EncodeFlags& flags, const Settings& settings, con
   used.video = settings.video;
   TRY(check_ignored_flags(*flags.settings, used));
   if (settings.video.pipe != PipeFormat::Half) TRY(check_video(settings.video));
-  return {};
+  return output == kStandardOutput ? Result<void>() : check_rate_factor(settings.video);
 }
 
 // The video, which begins with the first file. Thread-bound.

@@ -9,6 +9,7 @@
 #include "firmware_host/settings/member_fields.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "hal/core/parse_number.h"
+#include "hal/video/video_writer.h"
 
 namespace hdrcam {
 namespace {
@@ -255,8 +256,9 @@ std::vector<SettingField> video_fields() {
           "video.peak", "--peak",
           "peak luminance of HDR videos, cd/m2; brighter light is compressed below it", {100, 10000, {}}),
       number<kGroup, &V::crf>("video.crf", "--crf",
-                              "constant rate factor of videos: a lower one is better and takes more space",
-                              {0, 51, {}}),
+                              "constant rate factor of videos: a lower one is better and takes more space; "
+                              "hevc and h264 end at 51",
+                              {0, greatest_crf(VideoCodec::Av1), {}}),
       choice<kGroup, &V::pipe>(
           "video.pipe_format", "--pipe-format",
           "format of frames on the standard output: uncompressed video, or bare half-float RGB radiance",

@@ -47,6 +47,20 @@ VideoCodec codec_of(const VideoOptions& options) {
   return options.transfer == VideoTransfer::Sdr ? VideoCodec::H264 : VideoCodec::Hevc;
 }
 
+// As --codec takes it.
+const char* word_of(VideoCodec codec) {
+  switch (codec) {
+    case VideoCodec::Av1:
+      return "av1";
+    case VideoCodec::H264:
+      return "h264";
+    case VideoCodec::Hevc:
+    case VideoCodec::Uncompressed:
+      break;
+  }
+  return "hevc";
+}
+
 // What the frames hold.
 enum class FrameLight { Radiance, Display };
 
@@ -154,6 +168,7 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
                                                 double framerate_hz, const VideoOptions& options,
                                                 FrameLight holds) {
   TRY(check_video(options));
+  TRY(check_rate_factor(options));
   const auto container = video_container_of(path);
   if (!container)
     return Error{ErrorCode::Invalid,
@@ -194,6 +209,16 @@ Result<void> check_video(const VideoOptions& options) {
                              "could be shown; raise the one or lower the other",
                              options.peak_nits, options.white_nits)};
   return {};
+}
+
+Result<void> check_rate_factor(const VideoOptions& options) {
+  const VideoCodec codec = codec_of(options);
+  const int most = greatest_crf(codec), most_of_av1 = greatest_crf(VideoCodec::Av1);
+  if (options.crf <= most) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("--crf {} is beyond what {} takes, 0 to {}; give less, or --codec av1, which "
+                           "takes up to {}",
+                           options.crf, word_of(codec), most, most_of_av1)};
 }
 
 Result<void> check_video_size(const VideoOptions& options, int width_px, int height_px) {

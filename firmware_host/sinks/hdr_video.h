@@ -17,6 +17,9 @@ namespace hdrcam {
 // Errors: Invalid for options that contradict each other.
 Result<void> check_video(const VideoOptions& options);
 
+// Of a video in a file. Errors: Invalid for a rate factor that its codec does not take.
+Result<void> check_rate_factor(const VideoOptions& options);
+
 // Whether the codec takes frames of this size. Errors: Unsupported.
 Result<void> check_video_size(const VideoOptions& options, int width_px, int height_px);
 

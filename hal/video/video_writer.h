@@ -28,6 +28,9 @@ namespace hdrcam {
 enum class VideoCodec { Hevc, Av1, H264, Uncompressed };
 enum class VideoContainer { Mp4, Mov, Matroska, Nut, Y4m };
 
+// The greatest constant rate factor that the encoder takes: x264 and x265 51, libaom 63.
+constexpr int greatest_crf(VideoCodec codec) { return codec == VideoCodec::Av1 ? 63 : 51; }
+
 // By the extension, in letters of either case: .mp4, .mov, .mkv; nullopt for any other.
 std::optional<VideoContainer> video_container_of(std::string_view path);
 
@@ -39,7 +42,7 @@ struct VideoFormat {
   VideoContainer container = VideoContainer::Mp4;
   ColorTags tags = {};
   ChromaSite chroma_site = ChromaSite::Left;  // of the planes to fill, and as stream and container state it
-  int crf = 16;                               // constant rate factor, 0..51 (AV1: 0..63); less is better
+  int crf = 16;                               // constant rate factor, 0..greatest_crf(); less is better
   std::optional<MasteringDisplay> mastering = {};
 
   int coded_width_px() const { return (width_px + 1) & ~1; }

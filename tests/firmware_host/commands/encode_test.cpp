@@ -395,6 +395,9 @@ TEST_CASE("encode refuses flags that its output does not use, and leaves what a 
   const RanHere piped = ran_here({"encode", frames, "-o", "-", "--codec", "av1", "--crf", "20"});
   CHECK(piped.exit_code == 2);
   CHECK_THAT(piped.err, Contains("compresses no video; give -o out.mp4, or leave out --codec, --crf"));
+  const RanHere coarse = ran_here({"encode", frames, "-o", out + "/x.mp4", "--crf", "60"});
+  CHECK(coarse.exit_code == 2);
+  CHECK_THAT(coarse.err, Contains("beyond what hevc takes"));
   const RanHere filed = ran_here({"encode", frames, "-o", out + "/x.mp4", "--pipe-format", "y4m"});
   CHECK(filed.exit_code == 2);
   CHECK_THAT(filed.err, Contains("give -o -, or leave out --pipe-format"));

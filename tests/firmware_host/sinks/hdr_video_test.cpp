@@ -340,6 +340,23 @@ TEST_CASE("what cannot be is refused before a frame comes") {
   CHECK(create_hdr_video(posix_storage(), folder + "/x.mp4", 25, sdr).ok());
 }
 
+TEST_CASE("a rate factor is refused where the codec of the video does not take it, and AV1 takes up to 63") {
+  const std::string folder = sample::scratch_folder("rate_factor");
+  const auto refusal = [&](const VideoOptions& options) {
+    return sample::error_of(create_hdr_video(posix_storage(), folder + "/none.mp4", 25, options));
+  };
+  const Error hevc = refusal({.crf = 52});
+  CHECK(hevc.code == ErrorCode::Invalid);
+  CHECK(hevc.message ==
+        "--crf 52 is beyond what hevc takes, 0 to 51; give less, or --codec av1, which takes up to 63");
+  CHECK_THAT(refusal({.transfer = VideoTransfer::Sdr, .crf = 63}).message,
+             Catch::Contains("what h264 takes"));
+  CHECK(made(folder + "/hevc.mp4", 1, {.crf = 51}).frames.size() == 1);
+  CHECK(made(folder + "/av1.mp4", 1, {.codec = CodecChoice::Av1, .crf = 63}).frames.size() == 1);
+  auto pipe = create_video_pipe(posix_storage().create(folder + "/x.y4m").value(), 25, {.crf = 63});
+  CHECK(pipe.ok());  // which is not compressed
+}
+
 TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, and makes none") {
   const std::string folder = sample::scratch_folder("video_refused"), path = folder + "/x.mp4",
                     earlier = "an earlier video";
