@@ -65,9 +65,8 @@ Result<void> Device::start(const PhysicalDevice& which, const std::string& cache
   vk_.GetDeviceQueue(device_, which.queue_family, 0, &queue);
   facts_.group = group_size(which);
   memory_ = std::make_unique<Memory>(vk_, device_, which.memory, limits_.maxStorageBufferRange);
-  const double tick_ns =
-      limits_.timestampComputeAndGraphics == VK_TRUE ? static_cast<double>(limits_.timestampPeriod) : 0;
-  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, tick_ns);
+  const QueueClock clock{static_cast<double>(limits_.timestampPeriod), which.tick_bits};
+  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, clock);
   TRY(work_->open(which.queue_family));
   cache_path_ = pipeline_cache_path(cache_folder, which.uuid);
   open_cache();

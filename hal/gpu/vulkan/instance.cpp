@@ -163,6 +163,7 @@ PhysicalDevice Instance::describe(VkPhysicalDevice handle) const {
     return (family.queueFlags & VK_QUEUE_COMPUTE_BIT) != 0;
   });
   device.queue_family = static_cast<std::uint32_t>(computes - families.begin());
+  if (computes != families.end()) device.tick_bits = computes->timestampValidBits;
   facts.missing = what_is_missing(own, computes != families.end());
   return device;
 }

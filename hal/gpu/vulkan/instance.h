@@ -17,6 +17,7 @@ struct PhysicalDevice {
   VkPhysicalDeviceMemoryProperties memory{};
   std::string uuid;  // of device and driver, in hexadecimal: what compiled kernels are made for
   std::uint32_t queue_family = 0;
+  std::uint32_t tick_bits = 0;  // of the clock of that family's queues; 0: they have none
 };
 
 // What keeps a device from being used, in words; "" where nothing does. computes: it has a queue for that.

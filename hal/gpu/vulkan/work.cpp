@@ -35,7 +35,7 @@ Kernel::~Kernel() {
 }
 
 Work::~Work() {
-  if (clock_ != VK_NULL_HANDLE) vk_.DestroyQueryPool(device_, clock_, nullptr);
+  if (ticks_ != VK_NULL_HANDLE) vk_.DestroyQueryPool(device_, ticks_, nullptr);
   if (fence_ != VK_NULL_HANDLE) vk_.DestroyFence(device_, fence_, nullptr);
   for (VkDescriptorPool pool : descriptors_) vk_.DestroyDescriptorPool(device_, pool, nullptr);
   if (command_pool_ != VK_NULL_HANDLE) vk_.DestroyCommandPool(device_, command_pool_, nullptr);
@@ -89,7 +89,7 @@ bool Work::begin() {
     return false;
   }
   recording_ = true;
-  if (times_ != nullptr) vk_.CmdResetQueryPool(commands_, clock_, 0, 2 * kMostTimed);
+  if (times_ != nullptr) vk_.CmdResetQueryPool(commands_, ticks_, 0, 2 * kMostTimed);
   return true;
 }
 
@@ -111,9 +111,9 @@ void Work::timed(std::string_view step, const Record& record) {
   }
   const auto tick = static_cast<std::uint32_t>(2 * timed_.size());
   timed_.emplace_back(step);
-  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick);
+  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, ticks_, tick);
   record();
-  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick + 1);
+  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, ticks_, tick + 1);
 }
 
 void Work::upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) {
@@ -200,25 +200,25 @@ void Work::download(const GpuBuffer& from, std::size_t at, std::span<std::byte> 
 void Work::measure(GpuStepTimes* times) {
   HDRCAM_CHECK(!recording_);
   times_ = nullptr;
-  if (times == nullptr || tick_ns_ <= 0) return;
+  if (times == nullptr || !clock_.ticks()) return;
   VkQueryPoolCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
   info.queryType = VK_QUERY_TYPE_TIMESTAMP;
   info.queryCount = 2 * kMostTimed;
-  if (clock_ == VK_NULL_HANDLE && vk_.CreateQueryPool(device_, &info, nullptr, &clock_) != VK_SUCCESS) return;
+  if (ticks_ == VK_NULL_HANDLE && vk_.CreateQueryPool(device_, &info, nullptr, &ticks_) != VK_SUCCESS) return;
   times_ = times;
 }
 
 void Work::take_times() {
   const std::size_t steps = timed_.size();
   std::vector<std::uint64_t> ticks(2 * steps);
-  if (steps == 0 || vk_.GetQueryPoolResults(device_, clock_, 0, static_cast<std::uint32_t>(ticks.size()),
+  if (steps == 0 || vk_.GetQueryPoolResults(device_, ticks_, 0, static_cast<std::uint32_t>(ticks.size()),
                                             ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
                                             VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
     return;
   for (std::size_t i = 0; i < steps; ++i) {
     GpuStepTime& step = (*times_)[timed_[i]];
-    step.ms += static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * tick_ns_ * 1e-6;
+    step.ms += clock_.ms_between(ticks[2 * i], ticks[2 * i + 1]);
     ++step.times;
   }
 }

@@ -36,11 +36,24 @@ struct Kernel final : GpuKernel {
 
 constexpr std::uint32_t kConstantBytes = 128;  // what every device offers
 
+// What counts the ticks of a queue (VkQueueFamilyProperties::timestampValidBits).
+struct QueueClock {
+  double tick_ns = 0;
+  std::uint32_t bits = 0;  // of a count; 0: there is no clock. Those above are undefined.
+
+  bool ticks() const { return tick_ns > 0 && bits > 0; }
+  // A count begins anew at 0: one of 36 bits and 1 ns every 69 s.
+  double ms_between(std::uint64_t first, std::uint64_t last) const {
+    const std::uint64_t valid = bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0};
+    return static_cast<double>((last - first) & valid) * tick_ns * 1e-6;
+  }
+};
+
 class Work final : public GpuWork {
  public:
-  // tick_ns: of the queue's clock; 0: it has none
-  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory, double tick_ns)
-      : vk_(functions), device_(device), queue_(queue), memory_(memory), tick_ns_(tick_ns) {}
+  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory,
+       const QueueClock& clock)
+      : vk_(functions), device_(device), queue_(queue), memory_(memory), clock_(clock) {}
   ~Work() override;
 
   Result<void> open(std::uint32_t queue_family);
@@ -82,7 +95,7 @@ class Work final : public GpuWork {
   VkDevice device_;
   VkQueue queue_;
   Memory& memory_;
-  double tick_ns_;
+  const QueueClock clock_;
   VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
@@ -94,7 +107,7 @@ class Work final : public GpuWork {
   std::vector<Arrival> arrivals_;
   WorkerPool* pool_ = nullptr;
   GpuStepTimes* times_ = nullptr;  // null: nothing is measured
-  VkQueryPool clock_ = VK_NULL_HANDLE;
+  VkQueryPool ticks_ = VK_NULL_HANDLE;
   std::vector<std::string> timed_;  // the steps with two ticks each
 };
 

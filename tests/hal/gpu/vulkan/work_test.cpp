@@ -51,9 +51,10 @@ DeviceFunctions functions_of_driver() {
 
 // Work on such a driver, and a kernel without buffers.
 struct Rig {
+  QueueClock clock = {};
   DeviceFunctions vk = functions_of_driver();
   Memory memory{vk, VK_NULL_HANDLE, {}, 0};
-  Work work{vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0};
+  Work work{vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, clock};
   const Kernel kernel{vk, VK_NULL_HANDLE};
 
   Result<void> done() {
@@ -70,6 +71,41 @@ TEST_CASE("after a driver had no memory to bind buffers, work takes none from a 
   driver.full = false;
   require_done(rig.done());
   CHECK(driver.set_of_pool);
+}
+
+// How often one run of a kernel was timed, and with what time, by a queue whose count begins anew at 36 bits
+// between its two ticks, which are 250 apart.
+GpuStepTime timed_on(const QueueClock& clock) {
+  Rig rig{.clock = clock};
+  rig.vk.CreateQueryPool = [](VkDevice, const VkQueryPoolCreateInfo*, const VkAllocationCallbacks*,
+                              VkQueryPool* pool) {
+    *pool = reinterpret_cast<VkQueryPool>(&driver);
+    return VK_SUCCESS;
+  };
+  rig.vk.DestroyQueryPool = [](VkDevice, VkQueryPool, const VkAllocationCallbacks*) {};
+  rig.vk.CmdResetQueryPool = [](VkCommandBuffer, VkQueryPool, std::uint32_t, std::uint32_t) {};
+  rig.vk.CmdWriteTimestamp = [](VkCommandBuffer, VkPipelineStageFlagBits, VkQueryPool, std::uint32_t) {};
+  rig.vk.GetQueryPoolResults = [](VkDevice, VkQueryPool, std::uint32_t, std::uint32_t, std::size_t,
+                                  void* data, VkDeviceSize, VkQueryResultFlags) {
+    constexpr std::uint64_t kUndefined = std::uint64_t{5} << 60, kEnd = std::uint64_t{1} << 36;
+    auto* const ticks = static_cast<std::uint64_t*>(data);
+    ticks[0] = kUndefined + kEnd - 100, ticks[1] = 150;
+    return VK_SUCCESS;
+  };
+  driver = {.full = false};
+  GpuStepTimes times;
+  rig.work.measure(&times);
+  require_done(rig.done());
+  return times[""];  // the kernel has no name
+}
+
+TEST_CASE("ticks count modulo the bits that the queue's clock has, and a queue without bits times nothing") {
+  const GpuStepTime wrapped = timed_on({.tick_ns = 2, .bits = 36});
+  CHECK(wrapped.times == 1);
+  CHECK(wrapped.ms == Approx(250 * 2e-6));
+  CHECK(timed_on({.tick_ns = 2, .bits = 0}).times == 0);
+  CHECK(QueueClock{.tick_ns = 1, .bits = 64}.ms_between(3, std::uint64_t{1} << 40) ==
+        Approx(1e-6 * ((std::uint64_t{1} << 40) - 3)));
 }
 
 TEST_CASE("work that a driver has no memory to wait for may go on, and nothing more is handed over") {
