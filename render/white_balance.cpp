@@ -36,11 +36,10 @@ Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& want
   if (std::holds_alternative<CameraColours>(wanted)) return std::optional<ChannelGains>();
   if (const auto* gains = std::get_if<ChannelGains>(&wanted)) return std::optional(*gains);
   if (!camera.white_balance)
-    return Error{
-        ErrorCode::Unsupported,
-        fmt::format("'{}' states no white balance of its camera; leave out --white-balance camera, or "
-                    "give the gains of red, green and blue, such as 2,1,1.5",
-                    camera.name)};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("{} states no white balance of its camera; leave out --white-balance camera, or "
+                             "give the gains of red, green and blue, such as 2,1,1.5",
+                             called(camera))};
   return camera.white_balance;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "capture/exposure_schedule.h"
+#include "firmware_host/printable.h"
 #include "firmware_host/signed_text.h"
 #include "hal/core/counted.h"
 
@@ -123,8 +124,10 @@ std::string describe_pause(const FootagePlan& plan) {
 std::string described(const FootagePlan& plan) {
   constexpr std::size_t kShown = 12;  // frames
   const CameraFacts& camera = plan.camera;
+  const bool unnamed = camera.name.empty() && !plan.files.empty();
   std::string text =
-      fmt::format("{}: {}; {}x{}, {}, {}; recorded as {} of {} bits\n", camera.name, plan.about, camera.width,
+      fmt::format("{}: {}; {}x{}, {}, {}; recorded as {} of {} bits\n",
+                  printable(unnamed ? plan.files.front() : camera.name), plan.about, camera.width,
                   camera.height, counted(plan.facts.size(), "frame"),
                   counted_per_second(camera.framerate_hz, "frame"), name(camera.layout), camera.bits);
   if (plan.times.origin == TimeOrigin::Exif) text += "times: as EXIF says, when each still was taken\n";

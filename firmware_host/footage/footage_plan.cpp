@@ -123,6 +123,12 @@ Result<CycleWalk> walk_of(const FootageScan& seen, FootagePlan& plan) {
   return walk;
 }
 
+// As messages call it.
+std::string footage_of(const std::vector<std::string>& files) {
+  return files.size() == 1 ? fmt::format("'{}'", files.front())
+                           : fmt::format("the footage from '{}' to '{}'", files.front(), files.back());
+}
+
 class PlannedFootage : public RecordingReader {
  public:
   PlannedFootage(std::unique_ptr<FootageReader> footage, const FootagePlan& plan)
@@ -141,17 +147,17 @@ class PlannedFootage : public RecordingReader {
     if (!TRY(footage_->next(room)))
       return Error{
           ErrorCode::Truncated,
-          fmt::format("'{}' had {} frames, and {} when it was read again: it changed meanwhile; import "
-                      "it again",
-                      plan_.camera.name, plan_.facts.size(), next_)};
+          fmt::format("{} had {} frames, and {} when it was read again: it changed meanwhile; import it "
+                      "again",
+                      footage_of(plan_.files), plan_.facts.size(), next_)};
     if (room.facts.timestamp != plan_.as_read[next_])
       return Error{
           ErrorCode::Corrupt,
           fmt::format(
-              "frame {} of '{}' is another one when it is read again: the footage changed meanwhile, or "
+              "frame {} of {} is another one when it is read again: the footage changed meanwhile, or "
               "is damaged so that it decodes otherwise each time; import it again, or what ffmpeg -i "
               "makes of it",
-              next_, plan_.camera.name)};
+              next_, footage_of(plan_.files))};
     return std::optional(RawFrame{plan_.facts[next_++], std::move(room.codes)});
   }
 
@@ -197,9 +203,8 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' cannot be a recording: {}; give the rate of stills with "
-                             "--framerate",
-                             plan.camera.name, *objection)};
+                 fmt::format("{} cannot be a recording: {}; give the rate of stills with --framerate",
+                             footage_of(plan.files), *objection)};
   if (request.shutter.empty()) {
     TRY(check_stated(seen));
     take_stated(seen, plan);

@@ -45,6 +45,7 @@ Result<FootageScan> scan_footage(FootageReader& footage, const std::atomic<bool>
     if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
       seen.silent = footage.path();
   }
+  seen.camera.name = footage.camera().name;  // all files have been seen now
   seen.losses = footage.losses(), seen.low_codes = low.suspicion();
   seen.primaries = footage.primaries();
   seen.orientations = footage.orientations(), seen.oblique = footage.oblique();

@@ -70,8 +70,8 @@ Result<void> check_readout(const Settings::Fit& fit, const CameraFacts& camera) 
   if (camera.turned_upright)
     return Error{ErrorCode::Invalid,
                  fmt::format("--readout is of rows that are read out from top to bottom, and the pictures of "
-                             "'{}' were turned when they were imported; leave it out",
-                             camera.name)};
+                             "{} were turned when they were imported; leave it out",
+                             called(camera))};
   if (!(camera.framerate_hz > 0)) return {};
   const Duration interval = from_seconds(1 / camera.framerate_hz),
                  asked = parse_duration(fit.readout).value();

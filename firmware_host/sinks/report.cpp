@@ -280,8 +280,9 @@ std::string run_section(const RunRecord& record) {
   rows += fact("threads", fmt::format("{}", record.threads));
   rows += fact("hdrcam", kVersion);
   rows += fact("processor", fmt::format("{}, {} kernels", cpu_model(), name(instruction_set())));
-  rows += fact("camera", fmt::format("{}, {} x {} pixels, {:.4g} frames/s", record.camera, record.width,
-                                     record.height, record.framerate_hz));
+  rows += fact("camera", fmt::format("{}{}{} x {} pixels, {:.4g} frames/s", record.camera,
+                                     record.camera.empty() ? "" : ", ", record.width, record.height,
+                                     record.framerate_hz));
   rows += fact("wall time", fmt::format("{:.2f} s", record.wall_s));
   rows += fmt::format(
       "<tr><th>frames</th><td class=\"{}\">{} captured {} {} emitted + {} dropped</td></tr>\n",

@@ -2,6 +2,10 @@
 
 namespace hdrcam {
 
+std::string called(const CameraFacts& camera) {
+  return camera.name.empty() ? "the clip" : "'" + camera.name + "'";
+}
+
 const char* name(ExposureSource source) {
   switch (source) {
     case ExposureSource::Embedded:

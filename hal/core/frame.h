@@ -49,7 +49,7 @@ constexpr bool is_bayer(PixelLayout layout) {
 using ChannelGains = std::array<double, 3>;
 
 struct CameraFacts {
-  std::string name;           // of the camera or clip
+  std::string name;           // of the camera or clip; "": none is known
   int width = 0, height = 0;  // pixels
   double framerate_hz = 30;
   int bits = 8;  // significant bits of a code, 8..16
@@ -62,6 +62,9 @@ struct CameraFacts {
   // The pictures of a clip were turned when it was imported: its rows were not read out from top to bottom.
   bool turned_upright = false;
 };
+
+// As messages call it: "'walk'", or "the clip" where it has no name.
+std::string called(const CameraFacts& camera);
 
 // The facts of one frame. Exposure product E = exposure_s * analogue_gain * digital_gain.
 struct FrameFacts {

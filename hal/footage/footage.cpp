@@ -180,7 +180,8 @@ class FootageFiles : public FootageReader {
     if (!TRY(read(ahead_)))
       return Error{ErrorCode::NotRecording, fmt::format("'{}' holds no pictures", files_.front())};
     has_ahead_ = true;
-    camera_.name = fs::path(files_.front()).stem().string();
+    const bool still = file_->facts().still;
+    camera_.name = still ? file_->facts().model : fs::path(files_.front()).stem().string();
     camera_.width = ahead_.codes.cols(), camera_.height = ahead_.codes.rows();
     camera_.bits = file_->facts().bits, camera_.layout = file_->facts().layout;
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
@@ -214,6 +215,7 @@ class FootageFiles : public FootageReader {
     }
     if (!TRY(read(frame))) return false;
     TRY(check_form(frame));
+    if (still_ && file_->facts().model.empty()) camera_.name.clear();
     return check_model();
   }
 

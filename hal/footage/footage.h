@@ -36,7 +36,8 @@ class FootageReader {
   virtual ~FootageReader() = default;
 
   // Size, depth and layout of all frames, upright; linear where the codes are those of the sensor. The lens
-  // is that of the first still, by its focal length for 35 mm film.
+  // is that of the first still, by its focal length for 35 mm film. The name is that of a video's file
+  // without its extension; of stills the camera's model, where all so far state it, else "".
   virtual const CameraFacts& camera() const = 0;
   // In one clause for people: "h264, yuv420p".
   virtual std::string about() const = 0;

@@ -70,7 +70,10 @@ TEST_CASE("a white balance that the camera does not state is an error where it i
   const auto missing = white_balance_gains(as_camera, camera);
   REQUIRE_FALSE(missing.ok());
   CHECK(missing.error().code == ErrorCode::Unsupported);
-  CHECK_THAT(missing.error().message, Contains("walk") && Contains("--white-balance"));
+  CHECK_THAT(missing.error().message, Contains("'walk'") && Contains("--white-balance"));
+  camera.name.clear();
+  CHECK(
+      white_balance_gains(as_camera, camera).error().message.starts_with("the clip states no white balance"));
   camera.white_balance = ChannelGains{2, 1, 1.5};
   CHECK(white_balance_gains(as_camera, camera).value() == camera.white_balance);
   CHECK_FALSE(white_balance_gains(none, camera).value());

@@ -105,6 +105,23 @@ TEST_CASE("a folder of brackets with EXIF needs no flag") {
   CHECK(sample::replay(posix_storage(), out).frames[0].facts.exposure_source == ExposureSource::Embedded);
 }
 
+TEST_CASE("a recording of stills has the camera that all of them state, else none, and no name of a file") {
+  const auto name_of = [](const std::vector<std::string>& models) {
+    const std::string folder = sample::scratch_folder("import_model"), out = folder + "/x.mkv";
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      test::Exif exif{1u << 2 * (i % 3), 1000, 100, 80};
+      exif.model = models[i];
+      test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(static_cast<int>(i)).codes,
+                       exif);
+    }
+    REQUIRE(import_verb(folder + " -o " + out).ok());
+    return open_recording(posix_storage(), out).value()->camera().name;
+  };
+  CHECK(name_of({"EOS R5", "EOS R5", "EOS R5", "EOS R5", "EOS R5", "EOS R5"}) == "EOS R5");
+  CHECK(name_of({"EOS R5", "EOS R5", "EOS R5", "EOS R5", "EOS R5", ""}).empty());
+  CHECK(name_of({"", "EOS R5", "EOS R5", "EOS R5", "EOS R5", "EOS R5"}).empty());
+}
+
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
@@ -238,7 +255,8 @@ TEST_CASE("footage that is another one when it is read again gives no frame anot
   for (int i = 0; i < 9; ++i) REQUIRE(again.value()->next({}).ok());
   const auto other = again.value()->next({});
   CHECK(sample::error_of(other).code == ErrorCode::Corrupt);
-  CHECK_THAT(sample::error_of(other).message, Contains("frame 9 of 'x' is another one"));
+  CHECK_THAT(sample::error_of(other).message,
+             Contains("frame 9 of '" + request.files[0] + "' is another one"));
 }
 
 TEST_CASE("a damaged still ends the import, and nothing is written") {
