@@ -8,15 +8,16 @@
 namespace hdrcam {
 
 float find_black_level(float darkest, float most, const std::function<CurveMisfit(float)>& misfit_at,
-                       float of_others) {
+                       const OtherBlackLevels& others) {
   constexpr float kHighest = 24;  // codes: above, dark pixels are a bright scene
   constexpr double kPenalty = 10, kPriorShare = 0.5;
   constexpr float kUnlike = 4;  // codes, standard deviation between the channels of a camera
   darkest = std::min(darkest, kHighest), most = std::min(most, kHighest);
   const auto unlike = [&](float level) -> double {
-    if (of_others <= 0) return level > 0 ? kPenalty : 0;
-    const float off = (level - of_others) / kUnlike;
-    return (level > 0 ? 0 : kPenalty) + off * off;
+    if (others.found == 0) return level > 0 ? kPenalty : 0;
+    const float off = (level - others.mean) / kUnlike;
+    if (level > 0) return off * off;
+    return others.found == 1 ? 0 : kPenalty + off * off;
   };
   double usual = std::numeric_limits<double>::max();  // the prior's misfit at levels that are not above
   const auto misfit = [&](float level) {

@@ -273,16 +273,22 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
 
 BlackLevel ResponseEstimator::found_black(const NoiseModel& noise, WorkerPool* pool) const {
   const std::vector<int> keys = matches_.exposure_keys();
-  const auto find = [&](std::size_t c, float of_others) {
+  const auto find = [&](std::size_t c, const OtherBlackLevels& others) {
     return find_black_level(
         matches_.darkest(c), matches_.most_black(c),
-        [&](float level) { return misfit_at(level, matches_.of(c), keys, noise); }, of_others);
+        [&](float level) { return misfit_at(level, matches_.of(c), keys, noise); }, others);
   };
   std::array<float, 3> found;
-  for_each_channel(pool, [&](std::size_t c) { found[c] = find(c, 0); });
-  const auto without = std::find(found.begin(), found.end(), 0.0f);
-  if (std::count(found.begin(), found.end(), 0.0f) == 1)  // the sum is of two
-    *without = find(static_cast<std::size_t>(without - found.begin()), (found[0] + found[1] + found[2]) / 2);
+  for_each_channel(pool, [&](std::size_t c) { found[c] = find(c, {}); });
+  OtherBlackLevels others;  // of a channel that has none
+  for (const float level : found)
+    if (level > 0) ++others.found, others.mean += level;
+  if (others.found == 1 || others.found == 2) {
+    others.mean /= static_cast<float>(others.found);
+    for_each_channel(pool, [&](std::size_t c) {
+      if (found[c] <= 0) found[c] = find(c, others);
+    });
+  }
   BlackLevel black;
   for (std::size_t c = 0; c < 3; ++c) black.set(c, found[c]);
   return black;

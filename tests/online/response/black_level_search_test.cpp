@@ -32,10 +32,19 @@ TEST_CASE("no black level is claimed for less than it costs") {
 
 TEST_CASE(
     "beside two channels that have a black level the third has one, unless its matches tell against it") {
-  constexpr float kOfOthers = 5;
+  constexpr OtherBlackLevels kOthers{2, 5};
   const auto silent = [](float) { return CurveMisfit{1, 1}; };
   CHECK(find_black_level(kDarkest, kMost, silent) == 0);
-  CHECK(std::abs(find_black_level(kDarkest, kMost, silent, kOfOthers) - kOfOthers) < 1);
+  CHECK(std::abs(find_black_level(kDarkest, kMost, silent, kOthers) - kOthers.mean) < 1);
   const auto worse = [](float level) { return CurveMisfit{level > 0 ? 100.0 : 1.0, 1}; };
-  CHECK(find_black_level(kDarkest, kMost, worse, kOfOthers) == 0);
+  CHECK(find_black_level(kDarkest, kMost, worse, kOthers) == 0);
+}
+
+TEST_CASE("beside one channel that has a black level another has the like if its matches are for it at all") {
+  constexpr OtherBlackLevels kOther{1, 5};
+  const auto hardly_better = [](float level) { return CurveMisfit{level > 0 ? 98.0 : 100.0, 0}; };
+  CHECK(std::abs(find_black_level(kDarkest, kMost, hardly_better, kOther) - kOther.mean) < 2);
+  CHECK(find_black_level(kDarkest, kMost, hardly_better, {1, 24}) == 0);  // unlike what it may have
+  const auto hardly_worse = [](float level) { return CurveMisfit{level > 0 ? 102.0 : 100.0, 0}; };
+  CHECK(find_black_level(kDarkest, kMost, hardly_worse, kOther) == 0);
 }
