@@ -74,6 +74,7 @@ std::optional<FramePose> SecondLayer::stated_pose(const ExposedFrame& frame, con
 
 std::optional<FramePose> SecondLayer::given_pose(const FrameFacts& facts) const {
   if (knobs_.pose != PoseKind::Given || !facts.T_world_camera) return std::nullopt;
+  if (poses_ && poses_->source() != PoseSource::Given) return std::nullopt;  // it is of another world
   const RigidTransform T_world_camera = transform_of(*facts.T_world_camera);
   if (!T_world_camera.finite()) return std::nullopt;
   return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};

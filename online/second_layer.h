@@ -46,7 +46,7 @@ class SecondLayer {
 
   // --- what is known ---
   // The pose that the recording states, also of a frame that is not taken; none where it states none that can
-  // be, or is not asked.
+  // be, or is not asked, or where poses are tracked because the first frame stated none.
   std::optional<FramePose> given_pose(const FrameFacts& facts) const;
   // Whether a frame stated a pose that had no part, because the first frame stated none.
   bool leaves_out_given_poses() const { return leaves_out_poses_; }

@@ -286,6 +286,30 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   CHECK(radiance == alone.radiance);
 }
 
+TEST_CASE("no frame has a stated pose among tracked ones, also where the field rests") {
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  Knobs options;
+  options.look_ahead = 1;
+  options.budget.fit.steps = 2;
+  OnlineStream stream(scene.camera(), options, pool);
+  std::string poses;  // of each frame: tracked, given or none
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    poses += !estimate.pose ? '-' : estimate.pose->source == PoseSource::Tracked ? 't' : 'g';
+    return {};
+  };
+  for (int i = 0; i < 20; ++i) {
+    FrameBudget budget = options.budget;
+    budget.field_rests = i >= 12 && i < 16;
+    RawFrame raw = scene.frame(i);
+    if (i > 0) raw.facts.T_world_camera = pose_matrix_of(RigidTransform());
+    REQUIRE(stream.take(raw, budget, emit).ok());
+  }
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  CHECK(stream.online().leaves_out_given_poses());
+  CHECK(poses == "ttttttttttt----ttttt");
+}
+
 TEST_CASE("that a lens is assumed is said once a run, however many worlds it has") {
   const test::MovingScene scene;
   CameraFacts camera = scene.camera();
