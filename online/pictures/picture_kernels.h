@@ -35,7 +35,7 @@ struct WindowRow {
   const float* line[5];  // the rows that are looked at, 2 radius + 1, from above to below
   int cols;
   int radius;              // 1 or 2
-  float *mean, *variance;  // of the row amid them; variance: null for the mean alone
+  float *mean, *variance;  // of the row amid them; variance: of radius 1 only, null for the mean alone
 };
 
 struct PictureKernels {
