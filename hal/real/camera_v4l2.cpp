@@ -70,12 +70,11 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   V4l2Camera(Nodes nodes, const V4l2Options& options, Clock& clock)
       : nodes_(std::move(nodes)),
         clock_(clock),
-        stream_(nodes_.video, nodes_.media ? &*nodes_.media : nullptr, nodes_.identity.queue_type),
         control_(options.exposure_control
                      ? ExposureControl::of_private(nodes_.video, *options.exposure_control)
                  : nodes_.sensor ? ExposureControl::of_sensor(*nodes_.sensor, nodes_.graph->sensor_name)
                                  : ExposureControl::of_video_node(nodes_.video)),
-        per_request_(options.exposure_control.has_value() || !nodes_.sensor) {
+        stream_(nodes_.video, media_for_requests(options), nodes_.identity.queue_type) {
     capabilities_.id = nodes_.video.path();
     capabilities_.model = nodes_.sensor ? nodes_.graph->sensor_name : nodes_.identity.card;
     capabilities_.driver = nodes_.identity.driver;
@@ -107,8 +106,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     control_.describe(capabilities_);
     TRY(stream_.allocate(buffers));
     capabilities_.buffers = stream_.buffers();
-    const bool requests = per_request_ && control_.exists() && stream_.takes_requests();
-    capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
+    capabilities_.exposure_per_request = capabilities_.reports_exposure = stream_.takes_requests();
     capabilities_.timestamp_mark = stream_.timestamp_mark();
     slots_.reset(static_cast<std::size_t>(stream_.buffers()));
     return mode;
@@ -170,6 +168,12 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
  private:
+  // nullptr where requests cannot set the exposure: the capture node has no control of it.
+  const DeviceNode* media_for_requests(const V4l2Options& options) const {
+    const bool on_capture_node = options.exposure_control.has_value() || !nodes_.sensor;
+    return control_.exists() && on_capture_node && nodes_.media ? &*nodes_.media : nullptr;
+  }
+
   void give_back(int index) override {
     const std::lock_guard lock(mutex_);
     slots_.free(static_cast<std::size_t>(index));
@@ -250,9 +254,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Nodes nodes_;
   Clock& clock_;
-  V4l2Stream stream_;
   ExposureControl control_;
-  bool per_request_;  // the exposure control is on the capture node, so requests can set it
+  V4l2Stream stream_;
   CameraCapabilities capabilities_;
   V4l2Picture picture_;
   WakeUp wake_;

@@ -2,6 +2,7 @@
 #include "hal/real/camera_v4l2.h"
 
 #include <fcntl.h>
+#include <linux/media.h>
 #include <linux/videodev2.h>
 #include <unistd.h>
 
@@ -12,7 +13,9 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "hal/real/control_refusals.h"
 #include "hal/sim/virtual_clock.h"
@@ -41,6 +44,10 @@ struct UsbDriver {
   bool sets_exposure = true;  // on the capture node
   bool silent = false;        // it never fills a buffer
   int dequeues = 0;           // so often it was asked for a filled one
+  // A media request for each buffer; its node is then in a media graph, without a sensor.
+  bool takes_requests = false;
+  std::set<int> used_requests{};
+  bool renewed = false;  // the request of the next buffer
 
   template <class T>
   static T& as(void* argument) {
@@ -62,6 +69,7 @@ struct UsbDriver {
         return 0;
       case VIDIOC_REQBUFS:
         if (auto& count = as<v4l2_requestbuffers>(argument).count; count > 0) count = granted.value_or(count);
+        if (takes_requests) as<v4l2_requestbuffers>(argument).capabilities = V4L2_BUF_CAP_SUPPORTS_REQUESTS;
         [[fallthrough]];
       case VIDIOC_STREAMON:
       case VIDIOC_STREAMOFF:
@@ -71,14 +79,52 @@ struct UsbDriver {
         as<v4l2_buffer>(argument).length = kBytes;
         return 0;
       case VIDIOC_QBUF:
-        queued.push_back(as<v4l2_buffer>(argument).index);
-        return 0;
+        return queue(as<v4l2_buffer>(argument));
       case VIDIOC_DQBUF:
         ++dequeues;
         return silent || queued.empty() ? EAGAIN : fill(as<v4l2_buffer>(argument));
       default:
-        return control(request, argument);
+        return takes_requests && _IOC_TYPE(request) == '|' ? media(request, argument)
+                                                           : control(request, argument);
     }
+  }
+
+  // A request that was queued takes no buffer until it is renewed.
+  int queue(const v4l2_buffer& buffer) {
+    const bool idle = std::exchange(renewed, false) || !used_requests.contains(buffer.request_fd);
+    if ((buffer.flags & V4L2_BUF_FLAG_REQUEST_FD) != 0) {
+      if (!idle) return EBUSY;
+      used_requests.insert(buffer.request_fd);
+    }
+    queued.push_back(buffer.index);
+    return 0;
+  }
+
+  int media(unsigned long request, void* argument) {
+    switch (request) {
+      case MEDIA_IOC_G_TOPOLOGY:
+        describe(as<media_v2_topology>(argument));
+        return 0;
+      case MEDIA_IOC_REQUEST_ALLOC:
+        as<int>(argument) = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+        return 0;
+      case MEDIA_REQUEST_IOC_REINIT:
+        renewed = true;
+        return 0;
+      default:
+        return request == MEDIA_REQUEST_IOC_QUEUE ? 0 : ENOTTY;
+    }
+  }
+
+  // One part, whose interface is its node: an ordinary file, so that its number is 0:0.
+  static void describe(media_v2_topology& graph) {
+    constexpr std::uint32_t kPart = 1, kInterface = 2;
+    graph.num_entities = graph.num_interfaces = graph.num_links = 1;
+    if (graph.ptr_entities == 0) return;
+    auto& link = *reinterpret_cast<media_v2_link*>(graph.ptr_links);
+    reinterpret_cast<media_v2_entity*>(graph.ptr_entities)->id = kPart;
+    reinterpret_cast<media_v2_interface*>(graph.ptr_interfaces)->id = kInterface;
+    link.source_id = kInterface, link.sink_id = kPart, link.flags = MEDIA_LNK_FL_INTERFACE_LINK;
   }
 
   int control(unsigned long request, void* argument) {
@@ -241,6 +287,23 @@ TEST_CASE("a camera that needs a sensor behind a media node that may not be open
     CHECK_THAT(configured.error().message,
                Catch::StartsWith(fmt::format(
                    "the sensor of '{}' cannot be found: no permission for '{}': ", usb.node, media)));
+  }
+}
+
+TEST_CASE("a queue that takes media requests delivers on and on, whether or not they set the exposure") {
+  for (const bool sets_exposure : {true, false}) {
+    CAPTURE(sets_exposure);
+    UsbCameraUnderTest usb;
+    usb.driver.takes_requests = true, usb.driver.sets_exposure = sets_exposure;
+    const std::string media = usb.node + "-media";
+    std::ofstream(media) << "open";
+    usb.camera = value_of(open_v4l2_camera(usb.node, {.media_nodes = {media}}, usb.clock));
+    usb.start();
+    CHECK(usb.camera->capabilities().exposure_per_request == sets_exposure);
+    for (int frame = 0; frame < 12; ++frame) {  // more than there are buffers
+      value_of(usb.camera->wait(std::chrono::seconds(1)));
+      require_done(usb.queue_one());
+    }
   }
 }
 
