@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <random>
 
+#include "hal/core/split_text.h"
+
 namespace hdrcam {
 namespace {
 
@@ -14,8 +16,9 @@ std::string unpredictable_name_beside(const std::string& path) {
   const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
   const std::filesystem::path beside(path);
   constexpr std::size_t kLongest = 255 - 23;  // bytes of a name that leave room for what is added
-  const std::string name = beside.filename().string().substr(0, kLongest);
-  return (beside.parent_path() / fmt::format(".{}.{:016x}.part", name, number)).string();
+  const std::string name = beside.filename().string();
+  const std::string_view beginning = first_characters(name, kLongest);  // FAT refuses a part of a character
+  return (beside.parent_path() / fmt::format(".{}.{:016x}.part", beginning, number)).string();
 }
 
 }  // namespace

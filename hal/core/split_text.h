@@ -1,4 +1,5 @@
-// A text cut at separators, and without the blanks around it. The parts point into the text. Reentrant.
+// A text cut at separators, after some characters, and without the blanks around it. The parts point into the
+// text. Reentrant.
 #pragma once
 
 #include <string_view>
@@ -29,6 +30,16 @@ inline std::string_view trimmed(std::string_view text, std::string_view blanks =
   const std::size_t begin = text.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+// The first characters of UTF-8, no more than so many bytes.
+inline std::string_view first_characters(std::string_view text, std::size_t most_bytes) {
+  const auto continues = [text](std::size_t at) {
+    return (static_cast<unsigned char>(text[at]) & 0xc0U) == 0x80U;
+  };
+  std::size_t end = most_bytes < text.size() ? most_bytes : text.size();
+  while (end > 0 && end < text.size() && continues(end)) --end;
+  return text.substr(0, end);
 }
 
 }  // namespace hdrcam

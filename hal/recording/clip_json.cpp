@@ -8,6 +8,7 @@
 #include "hal/core/counted.h"
 #include "hal/core/json_text.h"
 #include "hal/core/sound_facts.h"
+#include "hal/core/split_text.h"
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/recording.h"
@@ -47,18 +48,13 @@ std::string_view non_number(const Json& value) {
   return word == kNonNumbers.end() ? "" : *word;
 }
 
-// The value, shortened, for a message: whole characters of UTF-8, which json_text() is.
+// The value, shortened, for a message.
 std::string shown_value(const Json& value) {
   constexpr std::size_t kMostBytes = 40;
   if (const std::string_view word = non_number(value); !word.empty()) return std::string(word);
   std::string text = json_text(value);
   if (text.size() <= kMostBytes) return text;
-  const auto continues_character = [&](std::size_t at) {
-    return (static_cast<unsigned char>(text[at]) & 0xc0U) == 0x80U;
-  };
-  std::size_t end = kMostBytes;
-  while (continues_character(end)) --end;
-  return text.substr(0, end) + "..";
+  return fmt::format("{}..", first_characters(text, kMostBytes));
 }
 
 Result<Json> parsed(std::string& text, const std::string& path) {

@@ -27,3 +27,11 @@ TEST_CASE("blanks are cut from both ends of a text, and not from its middle") {
   CHECK(trimmed("").empty());
   CHECK(trimmed("--a-b-", "-") == "a-b");
 }
+
+TEST_CASE("a text is cut after whole characters, of one byte to four") {
+  const std::string_view text = "a\xc3\xa9\xe8\xaa\x9e\xf0\x9f\x93\xb7";  // a, e acute, a letter, a camera
+  const std::size_t ends[] = {0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 10};
+  for (std::size_t most = 0; most < std::size(ends); ++most)
+    CHECK(first_characters(text, most) == text.substr(0, ends[most]));
+  CHECK(first_characters("\x80\x80", 1).empty());
+}

@@ -173,6 +173,20 @@ TEST_CASE("a name may be as long as the file system takes") {
   CHECK(test::text_of(folder / longest.c_str()) == "all of it");
 }
 
+TEST_CASE("a long name is not cut within a character while its file is made") {
+  const ScratchFolder folder;
+  const std::string character = "\xe8\xaa\x9e";  // of UTF-8, three bytes
+  for (std::size_t before = 0; before < character.size(); ++before) {
+    std::string name(before, 'n');
+    while (name.size() + character.size() <= 255) name += character;
+    const FileInMaking making = value_of(FileInMaking::beside(posix_storage(), folder / name.c_str()));
+    const std::string cut = fs::path(making.path()).stem().stem().string().substr(1);
+    CHECK(name.starts_with(cut));
+    CHECK(cut.size() > 200);
+    CHECK((cut.size() - before) % character.size() == 0);
+  }
+}
+
 TEST_CASE("an error of a file in the making names the file that was asked for") {
   const ScratchFolder folder;
   fs::create_symlink("take1.mkv", folder / "latest.mkv");
