@@ -57,18 +57,28 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
 
 // The frames that are left are emitted first, under the last response; the state begins with the next.
 Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame, const Emit& emit) {
-  TRY(finish(emit));
-  frames_.retire_all();
+  TRY(end_scene(emit));
   state_->forget_residuals();
   sensor_.begin_anew(estimate, frame);
-  motion_ = make_motion_prior(camera_.height, camera_.width, pool_, gpu_);
-  second_layer_.rest();
   whites_.clear();
   for (RecentValues& darkest : darkests_) darkest.clear();
   return {};
 }
 
+// What comes has nothing to do with the frames so far: those that wait are emitted without it.
+Result<void> OnlineStage::end_scene(const Emit& emit) {
+  TRY(emit_rest(emit));
+  frames_.retire_all();
+  motion_ = make_motion_prior(camera_.height, camera_.width, pool_, gpu_);
+  second_layer_.rest();
+  return {};
+}
+
 Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
+  if (frames_.empty())
+    cuts_.begin(frame);
+  else if (cuts_.ends_before(frame))
+    TRY(end_scene(emit));
   PendingFrame& newest = frames_.add(frame);
   whites_.add(1 / newest.frame.exposure);
   newest.stated_blur = sensor_.count_blur(newest.frame);
@@ -85,7 +95,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   return emit_ready(Stream::GoesOn, emit);
 }
 
-// The state with the first frame, or the first under another response.
+// The state with the first frame, or the first of another scene or under another response.
 Result<void> OnlineStage::begin(PendingFrame& first, const ExposureTables& tables) {
   state_->restart({first.frame, tables, unseen_variance()});
   note_darkest(tables);
@@ -239,6 +249,10 @@ std::array<float, 3> OnlineStage::darkest() const {
 
 Result<void> OnlineStage::finish(const Emit& emit) {
   if (!first_frames_.empty()) TRY(bootstrap(emit));
+  return emit_rest(emit);
+}
+
+Result<void> OnlineStage::emit_rest(const Emit& emit) {
   if (!frames_.empty() && !frames_[frames_.size() - 1].advanced) TRY(advance(frames_.size() - 1));
   return emit_ready(Stream::Ended, emit);
 }

@@ -1,7 +1,8 @@
 // The online part of the pipeline, in processing order: what codes mean (sensor_model.h), from the first
 // frames on; then for each frame motion and state, and the second layer: pose, depth and field
-// (second_layer.h). It delivers an estimate of each frame as soon as its look-ahead has arrived
-// (pending_frames.h). Thread-bound; deterministic for any number of threads.
+// (second_layer.h). Behind a cut all but the sensor begins anew (pictures/cut_watch.h). It delivers an
+// estimate of each frame as soon as its look-ahead has arrived (pending_frames.h). Thread-bound;
+// deterministic for any number of threads.
 #pragma once
 
 #include <array>
@@ -18,6 +19,7 @@
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/pending_frames.h"
+#include "online/pictures/cut_watch.h"
 #include "online/recent_values.h"
 #include "online/second_layer.h"
 #include "online/sensor_model.h"
@@ -62,6 +64,8 @@ class OnlineStage {
   // --- the way of a frame; place: in frames_ ---
   Result<void> bootstrap(const Emit& emit);
   Result<void> begin_anew(const ResponseEstimate& estimate, int frame, const Emit& emit);
+  Result<void> end_scene(const Emit& emit);
+  Result<void> emit_rest(const Emit& emit);
   Result<void> take(ExposedFrame& frame, const Emit& emit);
   Result<void> begin(PendingFrame& first, const ExposureTables& tables);
   void match(std::size_t place, const ExposureTables& tables);
@@ -97,6 +101,7 @@ class OnlineStage {
   RecentValues whites_;                   // radiance that saturates each exposure
   std::array<RecentValues, 3> darkests_;  // radiance up to which each of the state's frames is black
   PendingFrames frames_;
+  CutWatch cuts_;
   JoinedState joined_;  // borrowed during an emission
   StageTiming timing_;
   LeftOut left_out_;

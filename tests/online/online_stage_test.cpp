@@ -334,6 +334,39 @@ TEST_CASE("that a lens is assumed is said once a run, however many worlds it has
   CHECK(log.times("does not report its focal length") == 1);
 }
 
+TEST_CASE("behind a cut the state begins anew, and no frame before it is joined by one behind it") {
+  constexpr int kCut = 13;
+  test::MovingScene scene, other;
+  scene.rows = other.rows = 96, scene.cols = other.cols = 128;
+  scene.detail = 0.5, other.detail = 0.7;
+  WorkerPool pool(1);
+  Knobs options = state_alone();
+  options.look_ahead = GENERATE(0, 1, 2);
+  CAPTURE(options.look_ahead);
+  const Run alone = run(scene, kCut, options, 1);
+  OnlineStream stream(scene.camera(), options, pool);
+  Emission emission(pool);
+  HdrFrame frame;
+  std::vector<float> radiance;
+  std::string moves;  // from the frame before, of each frame
+  float own = 0;      // the largest share of the first frame behind the cut in its own state
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    emission.render(estimate, frame);
+    const auto samples = frame.radiance.samples();
+    radiance.insert(radiance.end(), samples.begin(), samples.end());
+    if (moves.size() == kCut) own = std::ranges::max(estimate.own_share.samples());
+    moves += estimate.to_previous != nullptr ? 'm' : '-';
+    return {};
+  };
+  for (int i = 0; i < 2 * kCut; ++i)
+    REQUIRE(stream.take((i < kCut ? scene : other).frame(i), options.budget, emit).ok());
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  CHECK(moves == "-mmmmmmmmmmmm-mmmmmmmmmmmm");
+  REQUIRE(radiance.size() == 2 * alone.radiance.size());
+  CHECK(std::equal(alone.radiance.begin(), alone.radiance.end(), radiance.begin()));
+  CHECK(own > 0.99f);
+}
+
 TEST_CASE("behind a cut another world begins, and a fast pan ends none") {
   constexpr int kCut = 14;
   test::MovingScene scene, other;

@@ -3,9 +3,7 @@
 // allocation after the first frame. Thread-bound.
 #pragma once
 
-#include <vector>
-
-#include "online/pictures/same_scene.h"
+#include "online/pictures/cut_watch.h"
 #include "online/priors/pose/pose_prior.h"
 
 namespace hdrcam {
@@ -18,13 +16,8 @@ class WorldWatch {
   bool ends_before(const ExposedFrame& frame, const CameraPose& pose);
 
  private:
-  SceneThumbnail small(const ExposedFrame& frame);
-  void keep(const SceneThumbnail& now);
-
-  SceneThumbnail seen_{};  // of the newest frame of this world that shows enough to compare
-  int age_ = 0;            // frames since that one
-  int lost_ = 0;           // frames in a row
-  std::vector<float> scratch_;
+  CutWatch cuts_;
+  int lost_ = 0;  // frames in a row
 };
 
 }  // namespace hdrcam
