@@ -172,6 +172,7 @@ void update(const UpdatedRow& row, int n) {
     if (row.bounded && some(held >= row.unseen_from)) {
       const auto other = shows_else(row, s, held, r);
       weighs = other ? V{} : weighs, counts_below = other ? V{} : counts_below;
+      v = other ? held : v;  // it stays a bound, which the next frame must not take for something seen
     }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});

@@ -48,7 +48,7 @@ void main() {
     float v = state[of_variance], weighs = samples[at(kWeight + c, y, x)];
     if (ringing > 0) weighs = without_ringing(s + blur, v, weighs);
     const bool other = shows_else(s, v, r);
-    if (starts == 0 && !(v < unseen_from) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
+    if (starts == 0 && !other && !(v < unseen_from) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
     float variance = noise_variance(c, m) + relative2 * m * m, value = r;
     if (v < unseen_from) {
       value = max(0.0, value - blur * blur2 / (blur2 + v + kTiny));

@@ -162,7 +162,7 @@ UpdatedPixel updated(UpdatedPixel pixel, const PixelSample& seen) {
   const bool other =
       !seen.whole && v >= kUnseenFrom && s * exposure >= 0.98f && seen.sample * exposure < 0.5f;
   const float guessed = std::max({s, seen.sample, kLeastRadiance});
-  if (!seen.starts && v >= kUnseenFrom && weighs >= 0.05f) v = std::min(v, guessed * guessed);
+  if (!seen.starts && !other && v >= kUnseenFrom && weighs >= 0.05f) v = std::min(v, guessed * guessed);
   const float blur2 = seen.blur * seen.blur;
   float doubt = tables().variance(1, seen.mean) + kRelativeNoise2 * seen.mean * seen.mean,
         taken = seen.sample;

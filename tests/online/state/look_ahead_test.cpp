@@ -33,6 +33,34 @@ TEST_CASE("a frame that shows a flash keeps it, though the next one shows the da
   CHECK(joined(1, 0.1f, true) == Approx(0.1f).epsilon(0.05));  // a longer frame's own bound is lower
 }
 
+TEST_CASE("a flash is kept beside two frames that show the dark behind it, and is still what nobody saw") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kBound = 1, kDark = 0.1f;
+  WorkerPool pool(1);
+  const ExposureTables of_later(Response::gamma(2.2f), {}, 4);  // clips from .25 on
+  const FlowField path = test::uniform_flow(kRows, kCols);
+  RadianceState flash{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  flash.radiance.fill(kBound), flash.variance.fill(kUnseenVariance);
+  ExposedFrame next, after;
+  next.index = 1, after.index = 2;
+  for (ExposedFrame* frame : {&next, &after}) {
+    frame->exposure = 4;
+    frame->codes = Image<float>(3, kRows, kCols);
+    frame->codes.fill(of_later.code(1, kDark));
+  }
+  const LaterFrame later[] = {{&next, &path, &of_later}, {&after, &path, &of_later}};
+  for (const std::size_t frames : {1u, 2u}) {
+    CAPTURE(frames);
+    Fusion fusion({}, pool);
+    JoinedState both;
+    LookAhead(pool).join(flash, {later, frames}, unseen_variance_from(4), fusion, both);
+    CHECK(both.radiance.at(1, 9, 11) == kBound);
+    CHECK(both.variance.at(1, 9, 11) == kUnseenVariance);
+    CHECK(both.later_share.at(0, 9, 11) == Approx(0).margin(1e-6));
+  }
+}
+
 TEST_CASE("the share of later frames is how much more is known of a pixel with all of them than before") {
   constexpr int kRows = 20, kCols = 24;
   constexpr float kLight = 0.3f, kVariance = 9e-4f;  // known to a tenth
