@@ -1,0 +1,66 @@
+// At which frame of a stream another scene begins.
+#include "online/pictures/cut_watch.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr int kRows = 96, kCols = 128;
+constexpr double kHere = 0.06, kElsewhere = 0.1;
+constexpr float kShort = 1, kLong = 16;
+
+double texture(double pattern, int x, int y) {
+  return std::sin(pattern * x) + std::cos(1.7 * pattern * y + 0.5 * pattern * x);
+}
+
+ExposedFrame picture(float exposure, double pattern) {
+  ExposedFrame frame;
+  frame.exposure = exposure;
+  frame.codes = Image<float>(3, kRows, kCols);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x)
+        frame.codes.at(c, y, x) = exposure * static_cast<float>(60 + 25 * texture(pattern, x, y));
+  return frame;
+}
+
+// A bright scene over a dark corner, which is the lower third: all that the long exposure does not show
+// white. sign: of the dark corner's texture.
+ExposedFrame over_dark_corner(float exposure, int sign) {
+  ExposedFrame frame = picture(exposure, kHere);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x) {
+        const double dark = 4 + 1.5 * sign * texture(kHere, x, y);
+        float& code = frame.codes.at(c, y, x);
+        code = y < 2 * kRows / 3 ? std::fmin(code, 255.0f) : exposure * static_cast<float>(dark);
+      }
+  return frame;
+}
+
+}  // namespace
+
+TEST_CASE("a cut is found with any exposure of the cycle, and once") {
+  CutWatch watch;
+  watch.begin(picture(1, kHere));
+  for (const float exposure : {2.0f, 0.5f, 1.0f, 2.0f})
+    CHECK_FALSE(watch.ends_before(picture(exposure, kHere)));
+  CHECK(watch.ends_before(picture(0.5f, kElsewhere)));
+  for (const float exposure : {1.0f, 2.0f, 0.5f})
+    CHECK_FALSE(watch.ends_before(picture(exposure, kElsewhere)));
+}
+
+TEST_CASE(
+    "what changes in the dark corner that two exposures both show is no cut where the whole is as before") {
+  CutWatch watch;
+  watch.begin(over_dark_corner(kShort, 1));
+  CHECK_FALSE(watch.ends_before(over_dark_corner(kLong, 1)));
+  CHECK_FALSE(watch.ends_before(over_dark_corner(kShort, -1)));
+  CutWatch corner;  // which alone would be taken for a cut
+  corner.begin(over_dark_corner(kLong, 1));
+  CHECK(corner.ends_before(over_dark_corner(kShort, -1)));
+}
