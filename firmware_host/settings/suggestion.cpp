@@ -38,9 +38,15 @@ std::optional<std::string> other_name_of(std::string_view typed, std::span<const
   return std::nullopt;
 }
 
+// 55 is no typing error of 50: a digit more or less is another value.
+bool is_number(std::string_view typed) {
+  return typed.find_first_not_of("0123456789.,-+") == std::string_view::npos;
+}
+
 }  // namespace
 
 std::optional<std::string> nearest_word(std::string_view typed, std::span<const std::string> known) {
+  if (is_number(typed)) return std::nullopt;
   if (auto ours = other_name_of(typed, known)) return ours;
   std::optional<std::string> nearest;
   int fewest = 0;

@@ -12,7 +12,8 @@ namespace hdrcam {
 // alignment).
 int edit_distance(std::string_view a, std::string_view b);
 
-// The known word with the fewest edits; none where even that one differs in more than a third of its letters.
+// The known word with the fewest edits; none where even that one differs in more than a third of its letters,
+// and none for a number.
 std::optional<std::string> nearest_word(std::string_view typed, std::span<const std::string> known);
 
 // " (did you mean 'WORD'?)", or "" where nothing is near.

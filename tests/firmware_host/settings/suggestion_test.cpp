@@ -31,3 +31,9 @@ TEST_CASE("another name of a word suggests it, and no word of another meaning th
   CHECK(nearest_word("gpu", std::vector<std::string>{"cpu", "vulkan", "vulkan:NAME"}) == "vulkan");
   CHECK(nearest_word("hdr", std::vector<std::string>{"pq", "hlg", "sdr"}) == "pq");
 }
+
+TEST_CASE("a number suggests no other number, which differs from it by more than its spelling") {
+  CHECK_FALSE(nearest_word("55", std::vector<std::string>{"off", "50", "60"}).has_value());
+  CHECK_FALSE(nearest_word("3", std::vector<std::string>{"auto", "1", "2", "4", "8"}).has_value());
+  CHECK(nearest_word("50hz", std::vector<std::string>{"off", "50hz", "60hz"}) == "50hz");
+}
