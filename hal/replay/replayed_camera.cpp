@@ -267,7 +267,8 @@ Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std
     return Error{
         ErrorCode::Unsupported,
         fmt::format(
-            "'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'",
+            "'{}' holds {} of {} bits, for which there is no pixel format of a camera; read it without "
+            "--pace realtime",
             path, name(facts.layout), facts.bits)};
   return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(
       storage, path, facts, *format, TRY(first_facts(*reader, path)), pace, clock));

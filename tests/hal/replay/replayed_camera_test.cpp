@@ -259,8 +259,9 @@ TEST_CASE("a recording without a whole frame plays no camera") {
 
 TEST_CASE("what cannot be replayed is refused in a sentence") {
   const std::string path = write_recording("replay_refused", PixelLayout::Rgb, 12);
-  require_error(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()),
-                ErrorCode::Unsupported);
+  const auto deep = open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock());
+  require_error(deep, ErrorCode::Unsupported);  // which every verb reads that takes a recording for a camera
+  CHECK(deep.error().message.ends_with("no pixel format of a camera; read it without --pace realtime"));
   require_error(open_replayed_camera(posix_storage(), path + "x", ReplayPace::AsRecorded, posix_clock()),
                 ErrorCode::NotFound);
 }
