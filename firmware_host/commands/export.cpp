@@ -99,7 +99,8 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
   }
   if (options.colmap) TRY(write_colmap(storage, options.model(), clip, options.folder));
   if (clip.left_out > 0)
-    remark("only the clip.json has {} without a pose\n", counted(clip.left_out, "frame"));
+    remark("note: {} without a pose {} in the clip.json only\n", counted(clip.left_out, "frame"),
+           clip.left_out == 1 ? "is" : "are");
   return {};
 }
 

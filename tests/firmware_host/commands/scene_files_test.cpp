@@ -386,6 +386,11 @@ TEST_CASE("without a field a model has the frames that state a pose, also where 
   for (const char* stated : {"000002.png", "000003.png", "000005.png", "000006.png"})
     CHECK(read.cameras.contains(stated));
   CHECK(read.json["hdrcam"]["frames_left_out"] == 3);
+
+  const auto exported = ran_here({"export", clip, "-o", folder + "/clip", "--transforms"});
+  CHECK(exported.exit_code == 0);
+  CHECK(exported.err.find("note: 3 frames without a pose are in the clip.json only\n") != std::string::npos);
+  CHECK(read_transforms(folder + "/clip/transforms.json").cameras.size() == 4);
 }
 
 TEST_CASE("given poses leave without a field too, and an earlier flow is kept unless --force is given") {
