@@ -169,6 +169,16 @@ Result<void> check_depth(const Settings& settings, const FilmedRecording& snapsh
                "--layers depth"};
 }
 
+// Before the film, which would be whole when its poses turn out to be none.
+Result<void> check_poses(const Settings& settings, const SceneHead& scene) {
+  if (!needs_of(settings.output).poses || newest_posed(scene) != nullptr) return {};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("{} needs poses, and no frame of the snapshot has one; leave it out, or save the "
+                  "scene without --emit state and --set field=none",
+                  settings.output.path(sink_name::kTransforms).empty() ? "--colmap" : "--transforms")};
+}
+
 Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_flags_on_snapshot(*flags.settings, flags.recording));
   const Settings settings = without_fit(asked);
@@ -176,6 +186,7 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
   const FilmedRecording snapshot = filmed(scene);
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, snapshot));
   TRY(check_depth(settings, snapshot));
+  TRY(check_poses(settings, scene));
   TRY(check_film(flags, plan, settings));
   const std::span<const SinkKind> sinks = sinks_of(plan);
   TRY(flags.kept.check(around.storage, inputs_of(flags, "snapshot"), outputs_of(settings, sinks)));

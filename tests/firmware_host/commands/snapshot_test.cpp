@@ -259,6 +259,10 @@ TEST_CASE("a run without a field saves a scene that is filmed from its own camer
              Contains("the snapshot was saved without one"));
   CHECK_THAT(refused({"render", scene, "-o", out, "--layers", "depth"}).err,
              Contains("the snapshot was saved without one"));
+  for (const char* flag : {"--transforms", "--colmap"})
+    CHECK_THAT(refused({"render", scene, "-o", out, flag, folder + "/poses"}).err,
+               Contains(std::string(flag) + " needs poses, and no frame of the snapshot has one"));
+  CHECK_FALSE(fs::exists(folder + "/out"));
   CHECK(ran_here({"render", scene, "-o", out}).exit_code == 0);
   CHECK(files_in(folder + "/out").size() == 6);
 }
