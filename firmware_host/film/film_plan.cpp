@@ -97,12 +97,11 @@ Result<void> plan_exposure(const FilmOptions& options, const FilmedRecording& re
 
 Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording, PoseKind pose) {
   if (!in_metres || (recording.has_poses && pose == PoseKind::Given)) return {};
-  if (pose == PoseKind::Fixed)
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("{} is in metres, but a camera that is taken to stand still shows no length; leave out "
-                    "--set pose=fixed, or give it without a unit, such as 0.02",
-                    flag)};
+  if (pose == PoseKind::Fixed || recording.stands_still)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} is in metres, but a camera that is taken to stand still shows no length; {} "
+                             "--set pose=fixed, or give it without a unit, such as 0.02",
+                             flag, recording.is_snapshot() ? "save the scene without" : "leave out")};
   return Error{
       ErrorCode::Invalid,
       fmt::format("{} is in metres, but the poses are tracked and have no metres; give it in units of the "
@@ -155,11 +154,11 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
   plan.view = TRY(view_of(storage, options));
   const SceneLength baseline = TRY(baseline_of(options));
   plan.baseline = baseline.value;
+  const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;
+  if (needs_depth) TRY(check_depth_is_known(recording, fit));
   const PoseKind pose = named_knobs(fit).pose;
   TRY(check_unit("--view", plan.view.in_metres(), recording, pose));
-  TRY(check_unit("--stereo", baseline.in_metres, recording, pose));
-  const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;
-  return needs_depth ? check_depth_is_known(recording, fit) : Result<void>();
+  return check_unit("--stereo", baseline.in_metres, recording, pose);
 }
 
 }  // namespace

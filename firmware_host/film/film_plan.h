@@ -23,6 +23,7 @@ struct FilmedRecording {
   double framerate_hz = 30;
   int width = 0, height = 0;
   bool has_poses = false;
+  bool stands_still = false;       // of a snapshot: its camera was taken for fixed
   bool has_exposure_times = true;  // not only their ratios
   FilmedKind kind = FilmedKind::Recording;
 

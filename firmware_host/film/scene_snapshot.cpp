@@ -167,6 +167,7 @@ FilmedRecording filmed(const SceneHead& scene) {
           .width = scene.camera.width,
           .height = scene.camera.height,
           .has_poses = posed != nullptr && posed->frame.length_unit == LengthUnit::Metre,
+          .stands_still = posed != nullptr && posed->frame.pose->source == PoseSource::Fixed,
           .has_exposure_times = std::ranges::all_of(
               scene.frames, [](const Keyframe& key) { return key.frame.facts.has_exposure_time(); }),
           .kind = scene.has_field ? FilmedKind::Snapshot : FilmedKind::SnapshotWithoutField};

@@ -75,7 +75,16 @@ TEST_CASE("a film of a snapshot spans the snapshot's own times, and needs its fi
   CHECK_THAT(refusal({.time = "1.4"}, snapshot), Contains("outside the snapshot, which spans 1.5 to 2 s"));
   snapshot.kind = FilmedKind::SnapshotWithoutField;
   CHECK(planned({.time = "1.6"}, snapshot).ok());
-  CHECK_THAT(refusal({.view = "0.1,0,0"}, snapshot), Contains("the snapshot was saved without one"));
+  for (const char* view : {"0.1,0,0", "10cm,0,0"})
+    CHECK_THAT(refusal({.view = view}, snapshot), Contains("the snapshot was saved without one"));
+}
+
+TEST_CASE("a length in metres is refused of a snapshot whose camera was taken to stand still", "[film]") {
+  FilmedRecording snapshot = kWalk;
+  snapshot.kind = FilmedKind::Snapshot, snapshot.stands_still = true;
+  CHECK_THAT(refusal({.view = "63mm,0,0"}, snapshot),
+             Contains("shows no length; save the scene without --set pose=fixed") && !Contains("tracked"));
+  CHECK(planned({.view = "0.02,0,0"}, snapshot).ok());
 }
 
 TEST_CASE("the times of a film count from the time stamp of the recording's first frame", "[film]") {

@@ -168,7 +168,11 @@ TEST_CASE("a scene has the poses and the unit of its newest frame that has a pos
   }
   written.head.frames.back().frame.pose.reset();
   CHECK(filmed(written.head).has_poses);
+  CHECK_FALSE(filmed(written.head).stands_still);
   CHECK_THAT(as_table(written.head, "s.hdrscene", 0), Contains("given") && Contains("metre"));
+  written.head.frames.front().frame.pose->source = PoseSource::Fixed;
+  written.head.frames[1].frame.pose->source = PoseSource::Fixed;
+  CHECK(filmed(written.head).stands_still);
   for (Keyframe& key : written.head.frames) key.frame.pose.reset();
   CHECK_FALSE(filmed(written.head).has_poses);
   CHECK_THAT(as_table(written.head, "s.hdrscene", 0), Contains("unknown"));
