@@ -179,11 +179,25 @@ int most_waiting(std::size_t frames) {
   return static_cast<int>(std::min<std::size_t>(RecordedLabels::kBeginning, frames));
 }
 
+// Where the times of a clip.json are of another unit than its rate, milliseconds above all; "" where they may
+// be of one. Slow stills may be so, too.
+std::string unlike_rate(const ImageSequence& clip) {
+  constexpr double kMost = 10;  // times
+  const FrameFacts &first = clip.facts(0), &last = clip.facts(clip.frame_count() - 1);
+  const double apart_s =
+      to_seconds(last.timestamp - first.timestamp) / static_cast<double>(last.sequence - first.sequence);
+  const double frame_s = 1 / clip.camera().framerate_hz;
+  if (apart_s < kMost * frame_s && frame_s < kMost * apart_s) return "";
+  return fmt::format("the frames are {:.3g} s apart by 'time_s' and {:.3g} s by 'fps'; both are of seconds",
+                     apart_s, frame_s);
+}
+
 Result<void> import_clip(Surroundings& around, const ImportOptions& options, const Settings& settings) {
   const std::string& path = options.footage.files.front();
   auto clip = TRY(ImageSequence::open(around.storage, path,
                                       options.allow_outside ? ClipReach::Anywhere : ClipReach::BelowFolder));
-  const std::string first_image = clip.path_of(0);
+  const std::string first_image = clip.path_of(0), times = unlike_rate(clip);
+  if (!times.empty()) remark("note: {}\n", times);
   if (options.list) {
     TRY(list_clip(around, options, std::move(clip)));
     tell_orientation(around.storage, first_image);

@@ -4,6 +4,7 @@
 
 #include "firmware_host/footage/described_plan.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "hal/recording/png_image.h"
 #include "tests/support/ran.h"
 
 #include "tests/firmware_host/commands/footage_imports.h"
@@ -295,4 +296,26 @@ TEST_CASE("a rate of one is told as one frame per second") {
 TEST_CASE("a frame rate that no recording can have is refused") {
   for (const char* rate : {"1e9", "1e-9", "nan", "0", "-30", "fast"})
     CHECK_THROWS_AS(import_verb(fmt::format("x.png --list --framerate {}", rate)), CLI::ValidationError);
+}
+
+TEST_CASE("import says of a clip whose times and rate differ as milliseconds and seconds do that they do") {
+  const std::string clip = sample::scratch_folder("import_unlike_rate");
+  for (int i = 0; i < 6; ++i)
+    REQUIRE(write_png(posix_storage(), fmt::format("{}/{}.png", clip, i), {8, test::scene().frame(i).codes})
+                .ok());
+  const auto listed_at = [&](double apart_s) {
+    std::string frames;
+    for (int i = 0; i < 6; ++i)
+      frames += fmt::format(R"({}{{"file":"{}.png","time_s":{},"exposure_s":{}}})", i > 0 ? "," : "", i,
+                            i * apart_s, test::scene().exposures_s[static_cast<std::size_t>(i) % 3]);
+    std::ofstream(clip + "/clip.json")
+        << fmt::format(R"({{"width":{},"height":{},"fps":25,"bits":8,"frames":[{}]}})", test::scene().cols,
+                       test::scene().rows, frames);
+    const test::Ran ran = test::ran({"import", clip, "--list"});
+    CHECK(ran.exit_code == 0);
+    return ran.output;
+  };
+  CHECK_THAT(listed_at(40), Contains("note: the frames are 40 s apart by 'time_s' and 0.04 s by 'fps'"));
+  CHECK_THAT(listed_at(4e-5), Contains("note: the frames are 4e-05 s apart by 'time_s'"));
+  for (const double apart_s : {0.04, 0.2}) CHECK_THAT(listed_at(apart_s), !Contains("apart"));
 }
