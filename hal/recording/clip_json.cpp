@@ -176,7 +176,8 @@ Result<CameraFacts> camera_of(const Fields& clip) {
       if (!clip.at(key).is_boolean()) return clip.wrong(key, "it is true or false");
       *fact = clip.at(key).get<bool>();
     }
-  if (clip.has("fx"))
+  constexpr const char* kLens[] = {"fx", "fy", "cx", "cy"};
+  if (std::ranges::any_of(kLens, [&clip](const char* key) { return clip.has(key); }))
     camera.intrinsics = Intrinsics{TRY(clip.number("fx")), TRY(clip.number("fy")), TRY(clip.number("cx")),
                                    TRY(clip.number("cy"))};
   if (clip.has("white_balance")) {

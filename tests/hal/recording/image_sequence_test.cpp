@@ -264,6 +264,8 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused(R"({"width":6,"height":4,"fps":30,"bits":17)" + frames, {"'bits' is 17"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8,"layout":"xyz")" + frames, {"'layout' is \"xyz\""});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8,"fx":3)" + frames, {"'fy' is missing"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"f_x":3,"fy":3,"cx":3,"cy":2)" + frames,
+          {"'fx' is missing"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8,"response":[[1],[2],[3]])" + frames,
           {"response", "256"});
   refused("{" + std::string(kHead) + R"(,"frames":[{"time_s":0},{}]})", {"frame 0", "'file' is missing"});
