@@ -58,8 +58,10 @@ std::string account_of(CameraSource& camera) {
   return text;
 }
 
-void show_warnings(const CameraSource& camera) {
+void show_warnings(CameraSource& camera, const Settings& settings) {
   for (const std::string& warning : camera.camera_warnings()) remark("warning: {}\n", warning);
+  const std::string advice = advice_on_light(camera.session().counters(), settings);
+  if (!advice.empty()) remark("note: {}\n", advice);
 }
 
 bool is_read_as_fast_as_asked(const Settings::Camera& camera) {

@@ -37,8 +37,9 @@ Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& setting
 // At the end of the run: what became of the captured frames, how their exposures were proved, and what the
 // cycle, the trigger and the strobe line did meanwhile; lines for the user.
 std::string account_of(CameraSource& camera);
-// What the camera says of its frames, at the end of the run: those of a recording that were damaged.
-void show_warnings(const CameraSource& camera);
+// What the camera says of its frames, at the end of the run: those of a recording that were damaged. And what
+// makes the pictures contradict many exposures.
+void show_warnings(CameraSource& camera, const Settings& settings);
 
 // Whether the camera is a recording that is read as fast as it is worked on.
 bool is_read_as_fast_as_asked(const Settings::Camera& camera);

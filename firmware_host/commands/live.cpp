@@ -108,7 +108,7 @@ void tell_of_run(CameraSource& camera, const Settings& settings, const RunRecord
         account_of(camera) +
             recorded_line(settings, counters.recorded - counters.in_takes, counters.captured()) +
             camera.takes_account());
-  show_warnings(camera);
+  show_warnings(camera, settings);
   if (const std::string advice = advice_to_keep_up(counters, settings, record); !advice.empty())
     remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);

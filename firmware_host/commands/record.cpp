@@ -70,7 +70,7 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
   const Result<void> ended = trace.write_after(camera->finish(record), around.storage);
   const LiveCounters counters = session.counters();
   write_result(account_of(*camera));
-  show_warnings(*camera);
+  show_warnings(*camera, settings);
   if (counters.recorded > 0) say("{}\n", settings.record.file);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());

@@ -115,6 +115,17 @@ std::string advice_to_keep_up(const LiveCounters& counters, const Settings& sett
                      counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);
 }
 
+std::string advice_on_light(const LiveCounters& counters, const Settings& settings) {
+  constexpr std::uint64_t kFewestFrames = 30, kFewInOne = 10;  // one in so many
+  const CaptureCounters& camera = counters.camera;
+  if (is_replayed(settings.camera.id) || settings.schedule.mains != Mains::Off) return "";
+  if (camera.emitted < kFewestFrames || kFewInOne * camera.contradicted <= camera.emitted) return "";
+  return fmt::format(
+      "the pictures contradict the exposures of {} of {} frames; where lamps light the scene, their flicker "
+      "does that: give --mains 50 or 60, and exposures of 10 ms or more",
+      camera.contradicted, camera.emitted);
+}
+
 std::vector<NamedValue> named(const LiveCounters& counters) {
   const CaptureCounters& camera = counters.camera;
   const std::pair<const char*, std::uint64_t> values[] = {

@@ -38,6 +38,10 @@ std::string sentence_of(const LiveCounters& counters, LiveWork work);
 std::string advice_to_keep_up(const LiveCounters& counters, const Settings& settings,
                               const RunRecord& record);
 
+// What makes pictures contradict so many exposures of a camera, a sentence without a full stop; "" where they
+// contradict few, as at the start of a run.
+std::string advice_on_light(const LiveCounters& counters, const Settings& settings);
+
 // Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);
 

@@ -65,5 +65,22 @@ TEST_CASE(
              Catch::Contains("leave out --pace realtime and --deadline, and every frame"));
 }
 
+TEST_CASE("pictures that contradict more than every tenth exposure of a camera lead to its lamps") {
+  Settings settings = settings_with_outputs();
+  LiveCounters counters;
+  counters.camera.emitted = 60, counters.camera.contradicted = 27;
+  CHECK_THAT(advice_on_light(counters, settings),
+             Catch::Contains("the exposures of 27 of 60 frames") && Catch::Contains("--mains 50 or 60"));
+  settings.schedule.mains = Mains::Hz50;  // then a note says at the start which exposures will flicker
+  CHECK(advice_on_light(counters, settings).empty());
+  settings.schedule.mains = Mains::Off, settings.camera.id = "replay:walk.mkv";
+  CHECK(advice_on_light(counters, settings).empty());
+  settings.camera.id = "sim:night";
+  counters.camera.contradicted = 6;
+  CHECK(advice_on_light(counters, settings).empty());
+  counters.camera.emitted = 20, counters.camera.contradicted = 8;  // of a start with a wrong control delay
+  CHECK(advice_on_light(counters, settings).empty());
+}
+
 }  // namespace
 }  // namespace hdrcam
