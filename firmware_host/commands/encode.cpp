@@ -146,11 +146,15 @@ void warn_of_primaries(const ExrImage& image, const NumberedFile& file) {
             file.path);
 }
 
-// wanted: as --framerate says; 0: as the first file says.
+// wanted: as --framerate says; 0: as the first file says, and so where that states its time, for frames keep
+// their times.
 Result<double> framerate_of(const ExrImage& image, const NumberedFile& file, double wanted_hz) {
-  if (wanted_hz > 0) return wanted_hz;
-  const double stated_hz = image.attributes.framerate_hz.value_or(kUsualFramerate_hz);
-  if (stated_hz >= kLeastFramerate_hz && stated_hz <= kMostFramerate_hz) return stated_hz;
+  const std::optional<double>& own_hz = image.attributes.framerate_hz;
+  const double stated_hz = own_hz.value_or(kUsualFramerate_hz);
+  const bool is_possible = stated_hz >= kLeastFramerate_hz && stated_hz <= kMostFramerate_hz;
+  const bool goes_with_times = own_hz && run_facts_of(image.attributes).since_start_s;
+  if (wanted_hz > 0 && !(is_possible && goes_with_times)) return wanted_hz;
+  if (is_possible) return stated_hz;
   // A fraction of zeros is no number, whose sign would be the processor's.
   const std::string stated = std::isnan(stated_hz) ? "0/0" : fmt::format("{:g}", stated_hz);
   return Error{ErrorCode::Invalid, fmt::format("'{}' states {} frames per second, {:g}..{:g} are possible; "
@@ -267,6 +271,12 @@ class EncodedFiles {
     const HdrFrame frame = TRY(frame_of(image, file, first_, video_.white_nits, camera_.framerate_hz));
     return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
   }
+  // Whether the files have times and a rate, and another one was asked for.
+  bool keeps_own_rate() const {
+    constexpr double kRounding = 1e-3;  // 29.97 is 30000/1001
+    return sink_ && std::abs(framerate_hz_ - camera_.framerate_hz) > kRounding * camera_.framerate_hz &&
+           framerate_hz_ > 0;
+  }
   // Nothing where none was added.
   Result<void> finish() { return sink_ ? sink_->finish() : Result<void>{}; }
 
@@ -333,6 +343,8 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }
   if (const Result<void> finished = video.finish(); encoded && !finished) encoded = finished;
+  if (video.keeps_own_rate() && !flags.settings->given({"camera.framerate"}).empty())
+    remark("note: the files state their times, and --framerate is for files that state none\n");
   if (encoded && frames > 0 && output != kStandardOutput) say("{}: {}\n", output, counted(frames, "frame"));
   if (encoded && frames < files.size()) return stopped_after(frames, files.size());
   return encoded;

@@ -191,6 +191,31 @@ TEST_CASE("a frame rate that cannot be is refused, naming the file and --framera
   CHECK(given.exit_code == 0);
 }
 
+TEST_CASE("frames that state their times keep them and their rate, whatever --framerate says") {
+  const std::string out = sample::scratch_folder("encode_own_rate"), timed = out + "/%06d.exr",
+                    untimed = out + "/untimed_%06d.exr";
+  for (int i = 0; i < 3; ++i) {
+    ExrAttributes attributes;
+    attributes.framerate_hz = 30;
+    write_grey(fmt::format("{}/untimed_{:06d}.exr", out, i), Image<float>(1, 16, 16), attributes);
+    attributes.texts["hdrcam.secondsSinceStart"] = fmt::format("{}", i / 30.);
+    write_grey(fmt::format("{}/{:06d}.exr", out, i), Image<float>(1, 16, 16), attributes);
+  }
+  const auto y4m = [](const std::string& frames) {
+    return piped("encode " + frames + " -o - --pipe-format y4m --framerate 60").first;
+  };
+  CHECK_THAT(y4m(timed).substr(0, 40), Contains(" F30:1 "));
+  CHECK_THAT(y4m(untimed).substr(0, 40), Contains(" F60:1 "));
+  const auto told = [&](const std::string& frames, const std::string& rate_hz) {
+    const RanHere run = ran_here({"encode", frames, "-o", out + "/x.mp4", "--force", "--framerate", rate_hz});
+    CHECK(run.exit_code == 0);
+    return run.err;
+  };
+  CHECK_THAT(told(timed, "60"), Contains("note: the files state their times, and --framerate is for files"));
+  CHECK_THAT(told(timed, "30"), !Contains("note:"));
+  CHECK_THAT(told(untimed, "60"), !Contains("note:"));
+}
+
 TEST_CASE("encode warns of primaries that it does not convert, and not of its own") {
   const std::string out = sample::scratch_folder("encode_primaries"), frames = out + "/%06d.exr";
   ExrAttributes attributes;
