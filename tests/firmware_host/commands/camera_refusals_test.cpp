@@ -79,6 +79,17 @@ TEST_CASE("what is asked of a recording is refused of a camera, also of one that
                 "not with --pace realtime");
 }
 
+TEST_CASE("a run on a recording that is refused before its first frame has no account of frames") {
+  const std::string folder = sample::scratch_folder("no_account"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
+  const test::Ran refused =
+      test::ran({"live", "--camera", "replay:" + walk, "--readout", "100s", "-o", folder + "/out/%06d.exr"});
+  INFO(refused.output);
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::Invalid));
+  CHECK(refused.output.find("--readout 100s is longer than a frame") != std::string::npos);
+  CHECK(refused.output.find("0 frames") == std::string::npos);
+}
+
 TEST_CASE("a flag of an output that a run does not have is refused with the output to give") {
   const std::string folder = sample::scratch_folder("ignored_outputs"), walk = folder + "/walk.mkv";
   require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
