@@ -107,9 +107,10 @@ Result<int> exposure_delay(Camera& camera, const CaptureOptions& options, const 
   const DelayEstimate estimate = TRY(measure(camera, options, pairs, stop));
   print("exposure", estimate);
   if (!estimate.delay)
-    return Error{ErrorCode::TooShort,
-                 "the exposure delay could not be measured; point the camera at a static "
-                 "scene that is neither black nor clipped, or give other times by --shutter"};
+    return Error{
+        ErrorCode::TooShort,
+        "the exposure delay could not be measured; point the camera at a static scene that is neither "
+        "black nor clipped, in light that does not flicker, or give other times by --shutter"};
   return *estimate.delay;
 }
 

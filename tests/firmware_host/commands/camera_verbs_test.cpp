@@ -369,6 +369,16 @@ TEST_CASE("a black level that the user states reaches recording and fit, of raw 
   }
 }
 
+TEST_CASE("a calibration that no pictures allow says what scene and what light it needs") {
+  const test::Ran failed = test::ran(
+      {"calibrate", "delay", "--camera", "sim:night?size=32x32&fps=200&reports=no", "--shutter", "1ms,4ms"});
+  INFO(failed.output);
+  CHECK(failed.exit_code == exit_code_of(ErrorCode::TooShort));
+  CHECK(failed.output.find(
+            "a static scene that is neither black nor clipped, in light that does not flicker") !=
+        std::string::npos);
+}
+
 TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {
   const std::string folder = sample::scratch_folder("live_calibrated"), file = folder + "/my camera.toml";
   const std::string camera = "sim:still?size=96x72&fps=100&reports=no&delay=3,1";
