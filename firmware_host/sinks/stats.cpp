@@ -138,7 +138,7 @@ std::string to_json(const RunRecord& record) {
   if (!record.rungs.empty()) json["deadline"] = deadline_of(record);
   json["stages"] = stages_of(record);
   json["sinks"] = sinks_of(record);
-  if (!record.counters.empty()) json["counters"] = object_of(record.counters);
+  if (!record.counters.empty()) json["counters"] = counters_of(record.counters);
   if (!record.scores.empty()) json["scores"] = scores_of(record);
   if (record.response) json["response"] = *record.response;
   if (!record.exposures.empty()) json["exposures"] = exposures_of(record);

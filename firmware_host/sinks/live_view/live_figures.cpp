@@ -130,7 +130,7 @@ std::string status_json(const LiveFigures& figures) {
             {"latency_ms", emission.latency_ms},
             {"running_s", seconds_between(emission.begin, EmissionFigures::Clock::now())},
             {"stops", {kLeastStop, kMostStop}},
-            {"counters", object_of(figures.counters)},
+            {"counters", counters_of(figures.counters)},
             {"recording", figures.recording}};
   Json& verdicts = json["verdicts"] = Json::object();
   for (const Verdict verdict : kVerdicts)

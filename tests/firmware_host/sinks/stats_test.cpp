@@ -128,6 +128,15 @@ TEST_CASE("the counters of a run on a camera are those that docs/stats.md lists"
   CHECK(names == documented_keys("counter"));
 }
 
+TEST_CASE("counts are whole numbers in JSON, and times beside them may be fractions") {
+  RunRecord record = test::example_run(2);
+  record.counters = {{"captured", 31}, {"first_frame_ms", 179.5}};
+  const auto counters = nlohmann::json::parse(to_json(record))["counters"];
+  CHECK(counters["captured"].is_number_integer());
+  CHECK(counters["captured"] == 31);
+  CHECK(counters["first_frame_ms"] == 179.5);
+}
+
 TEST_CASE("the statistics state the pose of each frame that has one, its source and its unit") {
   RunRecord record = test::example_run(3);
   record.frames[1].pose = FramePose{{Eigen::Matrix3d::Identity(), {1, 2, 3}}, PoseSource::Tracked, true, 2};
