@@ -77,13 +77,15 @@ NamedVerb innermost(const CLI::App& app) {
   return verb;
 }
 
-// Of an argument too many: a camera without its flag, one of many frames, as a shell makes them of
-// "out/*.exr", or a word that is almost a verb of this one.
+// Of an argument too many: a camera without its flag, a recording in its place, one of many frames, as a
+// shell makes them of "out/*.exr", or a word that is almost a verb of this one.
 std::string meant_by(const std::string& word, const CLI::App& place) {
   const bool is_camera = std::ranges::any_of(std::array{"sim:", "replay:", "/dev/"},
                                              [&](const char* start) { return word.starts_with(start); });
   if (is_camera && place.get_option_no_throw("--camera") != nullptr)
     return fmt::format(" (did you mean '--camera {}'?)", word);
+  if (word.ends_with(".mkv") && place.get_option_no_throw("--pace") != nullptr)  // of a recording
+    return fmt::format(" (did you mean '--camera replay:{}'?)", word);
   if (word.ends_with(".exr") && place.get_option_no_throw("frames") != nullptr)
     return " (name all frames by one pattern, such as 'out/%06d.exr')";
   return did_you_mean(word, names_of_verbs(place));

@@ -180,6 +180,9 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"bench", "paretto"}), Contains("'paretto' (did you mean 'pareto'?)"));
   CHECK_THAT(refused({"live", "sim:walk"}), Contains("'sim:walk' (did you mean '--camera sim:walk'?)"));
   CHECK_THAT(refused({"record", "/dev/video0", "-o", "walk.mkv"}), Contains("'--camera /dev/video0'"));
+  CHECK_THAT(refused({"live", "walk.mkv"}),
+             Contains("'walk.mkv' (did you mean '--camera replay:walk.mkv'?)"));
+  CHECK_THAT(refused({"calibrate", "delay", "walk.mkv"}), !Contains("did you mean"));
   CHECK_THAT(refused({"list", "sim:walk"}), Contains("'sim:walk'") && !Contains("did you mean"));
   CHECK_THAT(refused({"repair", "walk.mkv", "--shutter", "1ms"}),
              Contains("unknown flag '--shutter' (a flag of ") && Contains("record") && Contains("import"));
