@@ -24,6 +24,7 @@
 #include "hal/core/parse_number.h"
 #include "hal/core/sound_facts.h"
 #include "hal/footage/orientation.h"
+#include "hal/footage/raw_still.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -238,6 +239,26 @@ void tell_left_out(const std::vector<std::string>& files, std::string_view why) 
   remark("note: '{}'{} left out: {}\n", files.front(), more, why);
 }
 
+// Pictures and videos, as phones leave them in one folder, or each still raw and developed, as many cameras
+// do.
+Result<void> check_one_kind(const std::vector<std::string>& files) {
+  const auto is_developed = [](const std::string& file) { return is_still(file) && !is_raw_still(file); };
+  const auto still = std::ranges::find_if(files, is_still), video = std::ranges::find_if_not(files, is_still);
+  if (still != files.end() && video != files.end())
+    return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are a picture and a video, which do not make "
+                                                 "one clip; name the files of one kind",
+                                                 *still, *video)};
+  const auto raw = std::ranges::find_if(files, is_raw_still);
+  const auto developed = std::ranges::find_if(files, is_developed);
+  if (raw == files.end() || developed == files.end()) return {};
+  const std::filesystem::path one(*raw);
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("'{}' and '{}' are a raw still and a developed one, which do not make one clip; name the "
+                  "files of one kind, such as {}",
+                  *raw, *developed, (one.parent_path() / ("*" + one.extension().string())).string())};
+}
+
 // What makes one clip of a folder: its stills, or its videos but not the recordings that were made of them.
 Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& folder) {
   tell_left_out(broken_links_in(folder), "a link whose file is not there");
@@ -252,13 +273,8 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
   if (files.empty())
     return Error{ErrorCode::NotFound,
                  fmt::format("'{}' holds recordings only, and no footage; replay them as they are", folder)};
-  const auto still = std::ranges::find_if(files, is_still);
-  const auto video = std::ranges::find_if_not(files, is_still);
-  if (still != files.end() && video != files.end())
-    return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are a picture and a video, which do not make "
-                                                 "one clip; name the files of one kind",
-                                                 *still, *video)};
-  if (still != files.end())
+  TRY(check_one_kind(files));
+  if (is_still(files.front()))
     tell_left_out(other_pictures_in(folder),
                   "of a folder, JPEG, PNG, TIFF and raw stills are read; name others, or convert them");
   return files;

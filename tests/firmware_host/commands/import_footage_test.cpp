@@ -416,6 +416,18 @@ TEST_CASE("pictures and videos of one folder do not make one clip") {
   CHECK_THAT(sample::error_of(mixed).message, Contains("IMG_0.JPG") && Contains("x.mp4"));
 }
 
+TEST_CASE("a folder with each still raw and developed is refused with the name of the raw ones") {
+  const std::string folder = write_bracket("import_raw_and_jpeg");
+  test::DngStill still;
+  still.code_at = [](int, int) { return std::uint16_t{1000}; };
+  for (int i = 0; i < 9; ++i) test::write_dng(fmt::format("{}/IMG_{}.DNG", folder, i), still);
+  const auto both = import_verb(folder + " --list");
+  CHECK(sample::error_of(both).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(both).message, Contains("IMG_0.DNG' and '") &&
+                                                 Contains("IMG_0.JPG' are a raw still and a developed one") &&
+                                                 Contains("such as " + folder + "/*.DNG"));
+}
+
 TEST_CASE("a wrong cycle is refused before the footage is read, and one picture alone is no clip") {
   const std::string folder = write_bracket("import_hasty");
   std::ofstream(folder + "/IMG_8.JPG") << "damaged";
