@@ -146,13 +146,14 @@ TEST_CASE("every verb that reads a recording says of a snapshot that it is one, 
   const std::string folder = sample::scratch_folder("snapshot_no_recording"), scene = folder + "/scene.mkv",
                     camera = "replay:" + scene, out = folder + "/out";
   fs::copy_file(saved().scene, scene);
+  fs::copy_file(saved().clip, folder + "/still.jpg");
   const std::vector<std::vector<std::string>> verbs{
       {"replay", scene, "-o", out + "/%06d.exr"},
       {"repair", scene, "-o", out + "/whole.mkv"},
       {"export", scene, "-o", out},
       {"export", scene, "-o", out, "--transforms"},
       {"import", scene, "-o", out + "/walk.mkv"},
-      {"import", saved().clip + ".jpg", scene, "-o", out + "/walk.mkv"},
+      {"import", folder + "/still.jpg", scene, "-o", out + "/walk.mkv"},
       {"import", scene, "--list", "--shutter", "1ms,4ms"},
       {"live", "--camera", camera, "-o", out + "/%06d.exr"},
       {"live", "--camera", camera, "--pace", "realtime", "-o", out + "/%06d.exr"},
