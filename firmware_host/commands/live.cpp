@@ -71,7 +71,7 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
       {.settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)},
       around.storage);
   const CaptureCounters counters = source->counters();
-  if (counters.captured > 0)
+  if (counters.captured > 0 || ended.ok())
     write_result_beside_frames(
         settings.output, fmt::format("{}; {}\n{}", counted(counters.emitted, "frame"), proof_of(counters),
                                      recorded_line(settings, counters.emitted, counters.captured)));

@@ -42,7 +42,8 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   Result<void> ended = source->finish(record);
   show_warnings(*source);
   const CaptureCounters counters = source->counters();
-  if (counters.captured > 0) say("{}; {}\n", counted(counters.emitted, "frame"), proof_of(counters));
+  if (counters.captured > 0 || (failed.ok() && ended.ok()))
+    say("{}; {}\n", counted(counters.emitted, "frame"), proof_of(counters));
   if (counters.emitted > 0) say("{}\n", settings.record.file);
   TRY(failed);
   TRY(ended);

@@ -87,7 +87,7 @@ TEST_CASE("a run on a recording that is refused before its first frame has no ac
   INFO(refused.output);
   CHECK(refused.exit_code == exit_code_of(ErrorCode::Invalid));
   CHECK(refused.output.find("--readout 100s is longer than a frame") != std::string::npos);
-  CHECK(refused.output.find("0 frames") == std::string::npos);
+  CHECK(refused.output.find("0 proved") == std::string::npos);
 }
 
 TEST_CASE("a flag of an output that a run does not have is refused with the output to give") {

@@ -207,9 +207,10 @@ TEST_CASE("frames that state their times keep them and their rate, whatever --fr
   CHECK_THAT(y4m(timed).substr(0, 40), Contains(" F30:1 "));
   CHECK_THAT(y4m(untimed).substr(0, 40), Contains(" F60:1 "));
   const auto told = [&](const std::string& frames, const std::string& rate_hz) {
-    const RanHere run = ran_here({"encode", frames, "-o", out + "/x.mp4", "--force", "--framerate", rate_hz});
+    const test::Ran run =
+        test::ran({"encode", frames, "-o", out + "/x.mp4", "--force", "--framerate", rate_hz});
     CHECK(run.exit_code == 0);
-    return run.err;
+    return run.output;
   };
   CHECK_THAT(told(timed, "60"), Contains("note: the files state their times, and --framerate is for files"));
   CHECK_THAT(told(timed, "30"), !Contains("note:"));

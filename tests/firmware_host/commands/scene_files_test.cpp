@@ -387,9 +387,10 @@ TEST_CASE("without a field a model has the frames that state a pose, also where 
     CHECK(read.cameras.contains(stated));
   CHECK(read.json["hdrcam"]["frames_left_out"] == 3);
 
-  const auto exported = ran_here({"export", clip, "-o", folder + "/clip", "--transforms"});
+  const auto exported = test::ran({"export", clip, "-o", folder + "/clip", "--transforms"});
   CHECK(exported.exit_code == 0);
-  CHECK(exported.err.find("note: 3 frames without a pose are in the clip.json only\n") != std::string::npos);
+  CHECK(exported.output.find("note: 3 frames without a pose are in the clip.json only\n") !=
+        std::string::npos);
   CHECK(read_transforms(folder + "/clip/transforms.json").cameras.size() == 4);
 }
 
