@@ -13,6 +13,7 @@
 #include "tests/support/moving_scene.h"
 
 #include "tests/firmware_host/commands/verb_runs.h"
+#include "tests/support/ran.h"
 #include "tests/support/scene_file_readers.h"
 
 using namespace hdrcam;
