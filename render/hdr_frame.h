@@ -54,7 +54,8 @@ struct HdrFrame : HdrFrameHead {
   // [1, rows, cols] standard deviation of ln(radiance + white / 5000) before shrinkage, 0..10
   Image<float> sigma;
   Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
-  Image<float> depth;              // [1, rows, cols] camera z, in length_unit; empty without the field
+  Image<float> depth;              // [1, rows, cols] camera z, in length_unit; empty without the field, or
+                                   // while nothing of the scene has a known depth
   // [dx dy, rows, cols] pixels, each empty where it was not requested: to the previous frame (also empty for
   // the first), to the next one (without look-ahead and for the last), and the field's own motion both ways.
   Image<float> flow, flow_forward, field_flow, field_flow_forward;

@@ -48,7 +48,9 @@ void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame
 void RenderStage::render_field(const FrameEstimate& estimate, int step, HdrFrame& frame) {
   estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
-  if (options_.depth != DepthLayer::None) {
+  // until anything shows a depth the field's is where the fit began, which says nothing
+  const bool tells_depth = estimate.depth != nullptr && estimate.depth->tells();
+  if (options_.depth != DepthLayer::None && tells_depth) {
     enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
     for (float& z : frame.depth.samples()) z *= estimate.depth_unit;
   }

@@ -41,13 +41,18 @@ struct EvenScene {
   ExposedFrame input;
   RadianceEstimate state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols)};
   Image<float> own_share{1, kRows, kCols};
+  DepthMap measured{Image<float>(1, kRows, kCols), Image<float>(1, kRows, kCols)};
   HdrFrame frame;
 
-  EvenScene() { state.radiance.fill(kOfState), state.variance.fill(1e-4f), own_share.fill(1); }
+  EvenScene() {
+    state.radiance.fill(kOfState), state.variance.fill(1e-4f), own_share.fill(1);
+    measured.weight.at(0, 3, 5) = 0.9f;
+  }
   void render(const RenderOptions& options, int step = 2) {
     FrameEstimate estimate = test::estimate_by_state(input, state, own_share);
     estimate.field = FieldNow(SnapshotHold(field));
     estimate.view.rows = kRows, estimate.view.cols = kCols;
+    estimate.depth = &measured;
     estimate.depth_unit = kDepthUnit;
     estimate.budget.shrinkage = ShrinkageEffort::Off;
     estimate.budget.render_step = step;
@@ -104,4 +109,12 @@ TEST_CASE(
     check_even(scene.frame.depth, 1, kFieldDepth * kDepthUnit);
     CHECK(scene.frame.field_flow.empty());
   }
+}
+
+TEST_CASE("a frame has no depth while nothing of the scene has a known one") {
+  EvenScene scene;
+  scene.measured.weight.fill(DepthMap::kBelieved / 2);
+  scene.render({.depth = DepthLayer::Whole, .shows_field_flow = true});
+  CHECK(scene.frame.depth.empty());
+  check_even(scene.frame.field_flow, 2, -kMotion_px);
 }

@@ -30,6 +30,10 @@ struct DepthMap {
     step_px = other.step_px;
   }
   bool empty() const { return weight.empty(); }
+  // Whether anything of the picture has a depth that counts.
+  bool tells() const {
+    return std::ranges::any_of(weight.samples(), [](float w) { return w >= kBelieved; });
+  }
 };
 
 class DepthPrior {

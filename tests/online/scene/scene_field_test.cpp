@@ -370,11 +370,13 @@ TEST_CASE("merged asks the field for what it fills only, and for all where depth
   const FitReport fit = field.fit({1, 32, 1, 1});
   FrameBudget budget;
   budget.fills = true, budget.render_step = 2;
+  DepthMap known{Image<float>(1, 1, 1), Image<float>(1, 1, 1)};
+  known.weight.fill(1);
   HdrFrame frame;
   const auto asked = [&](DepthLayer depth) {
     wanted = 0;
     FrameEstimate estimate = told.estimate(field, fit);
-    estimate.budget = budget;
+    estimate.budget = budget, estimate.depth = &known;
     RenderStage({.layer = EmitLayer::Merged, .depth = depth}, pool).render(estimate, frame);
     return wanted;
   };
