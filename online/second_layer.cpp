@@ -39,7 +39,7 @@ FieldNow SecondLayer::field_of(int world) {
 // Null where another world begins with the frame; frames before it that wait then keep the field of this one.
 const CameraPose* SecondLayer::pose_in_this_world(const SeenFrame& seen) {
   const CameraPose& pose = poses_->estimate(seen);
-  const bool ends = poses_->source() == PoseSource::Tracked && watch_.ends_before(seen.frame, pose);
+  const bool ends = poses_->source() == PoseSource::Tracked && watch_.ends_before(pose);
   if (ends) field_before_ = field_->snapshot();
   return ends ? nullptr : &pose;
 }
@@ -47,7 +47,7 @@ const CameraPose* SecondLayer::pose_in_this_world(const SeenFrame& seen) {
 void SecondLayer::begin(const ExposedFrame& first) {
   rested_ = false;
   ++world_;
-  watch_.begin(first);
+  watch_.begin();
   const bool first_world = field_ == nullptr;
   if (first_world)
     has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run

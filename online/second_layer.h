@@ -1,9 +1,9 @@
 // The second layer of the method, above the state: where a frame was seen from, how deep its scene is, and
 // the field that is fitted to both (docs/architecture.md, "Two layers"). It is made with the first frame that
-// it takes and may rest: after a rest, a cut or a long loss of a tracked pose, pose, depth and field begin
-// anew, in another world, because what they knew is of another time or place. World, axes and unit of length:
-// priors/pose/frame_pose.h. Thread-bound but for snapshots of the field, which it owns; the result does not
-// depend on the number of threads.
+// it takes and may rest, as it does at a cut: after that, or a long loss of a tracked pose, pose, depth and
+// field begin anew, in another world, because what they knew is of another time or place. World, axes and
+// unit of length: priors/pose/frame_pose.h. Thread-bound but for snapshots of the field, which it owns; the
+// result does not depend on the number of threads.
 #pragma once
 
 #include <memory>

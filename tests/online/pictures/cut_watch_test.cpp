@@ -2,6 +2,7 @@
 #include "online/pictures/cut_watch.h"
 
 #include <cmath>
+#include <random>
 
 #include <catch2/catch.hpp>
 
@@ -26,6 +27,20 @@ ExposedFrame picture(float exposure, double pattern) {
       for (int x = 0; x < kCols; ++x)
         frame.codes.at(c, y, x) = exposure * static_cast<float>(60 + 25 * texture(pattern, x, y));
   return frame;
+}
+
+ExposedFrame plain(float code) {
+  ExposedFrame frame = picture(kShort, kHere);
+  frame.codes.fill(code);
+  return frame;
+}
+
+// Of a camera that saw one picture, then so many black ones.
+CutWatch after_black(int frames) {
+  CutWatch watch;
+  watch.begin(picture(kShort, kHere));
+  for (int i = 0; i < frames; ++i) REQUIRE_FALSE(watch.ends_before(plain(0)));
+  return watch;
 }
 
 // A bright scene over a dark corner, which is the lower third: all that the long exposure does not show
@@ -63,4 +78,37 @@ TEST_CASE(
   CutWatch corner;  // which alone would be taken for a cut
   corner.begin(over_dark_corner(kLong, 1));
   CHECK(corner.ends_before(over_dark_corner(kShort, -1)));
+}
+
+TEST_CASE("a cut behind a few black frames is found") {
+  for (const int black : {1, 3, 8}) {
+    CAPTURE(black);
+    CHECK(after_black(black).ends_before(picture(kShort, kElsewhere)));
+  }
+  // that long ago tells nothing
+  CHECK_FALSE(after_black(30).ends_before(picture(kShort, kElsewhere)));
+}
+
+TEST_CASE("pictures that show too little to compare are no cut") {
+  CutWatch watch;
+  watch.begin(picture(kShort, kHere));
+  CHECK_FALSE(watch.ends_before(picture(0.01f, kElsewhere)));
+  CHECK_FALSE(watch.ends_before(picture(100, kElsewhere)));
+  CHECK_FALSE(watch.ends_before(picture(kShort, kHere)));
+}
+
+TEST_CASE("a scene goes on over pictures that show nothing but noise, and ends at a cut behind them") {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(16);
+  const auto dark = [&] {
+    ExposedFrame frame = plain(0);
+    for (float& code : frame.codes.samples()) code = std::round(noise(random));
+    return frame;
+  };
+  CutWatch watch;
+  watch.begin(picture(kShort, kHere));
+  for (int i = 0; i < 4; ++i) CHECK_FALSE(watch.ends_before(dark()));
+  CHECK_FALSE(watch.ends_before(picture(kShort, kHere)));
+  CHECK_FALSE(watch.ends_before(dark()));
+  CHECK(watch.ends_before(picture(kShort, kElsewhere)));
 }
