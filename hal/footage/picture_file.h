@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
@@ -30,6 +31,9 @@ struct PictureFileFacts {
   bool oblique = false;  // states a turn for display that is no multiple of 90 degrees, which is not applied
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
+
+// Make and model of a camera, without the blanks that some put behind them; "": no model is stated.
+std::string camera_model(std::string_view make, std::string_view model);
 
 // What a file lacks of the pictures that it should hold.
 struct PictureLosses {

@@ -233,8 +233,8 @@ class RawStill : public PictureFile {
     facts_.orientation = orientation_of_flip(sizes.flip);
     facts_.layout = upright_layout(*layout, facts_.orientation, sizes.height, sizes.width);
     facts_.linear = true, facts_.still = true;
-    facts_.model = fmt::format("{} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
-    facts_.format = "raw of " + facts_.model;
+    facts_.model = camera_model(raw.imgdata.idata.make, raw.imgdata.idata.model);
+    facts_.format = facts_.model.empty() ? "raw" : "raw of " + facts_.model;
     facts_.focal_35mm_mm = raw.imgdata.lens.FocalLengthIn35mmFormat;
     facts_.white = static_cast<int>(white);
     const CodeStretch stretch(clip_white > 0 ? static_cast<unsigned>(clip_white) : white, white, facts_.bits);

@@ -17,7 +17,6 @@ extern "C" {
 #include <utility>
 
 #include "hal/core/parse_number.h"
-#include "hal/core/split_text.h"
 #include "hal/footage/exif_exposure.h"
 #include "hal/footage/exif_segments.h"
 #include "hal/footage/footage.h"
@@ -109,12 +108,6 @@ std::optional<double> stated_end_s(const AVFormatContext& demuxer, const AVStrea
 std::string_view exif_text(const AVFrame& frame, const char* tag) {
   const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
   return entry != nullptr ? entry->value : "";
-}
-
-// Make and model of the camera, without the blanks that some put behind them; "": not stated.
-std::string exif_model(const AVFrame& frame) {
-  const std::string_view make = trimmed(exif_text(frame, "Make")), model = trimmed(exif_text(frame, "Model"));
-  return make.empty() || model.empty() ? std::string(model) : fmt::format("{} {}", make, model);
 }
 
 // Exif 2.3, 4.6.5: PhotographicSensitivity has 16 bits, and its largest value stands for any beyond, which
@@ -398,7 +391,7 @@ Result<void> VideoFile::begin_codes() {
   facts_.layout = codes_.layout(), facts_.bits = codes_.bits();
   facts_.primaries = primaries_of(*frame_);
   if (still_) {
-    facts_.model = exif_model(*frame_);
+    facts_.model = camera_model(exif_text(*frame_, "Make"), exif_text(*frame_, "Model"));
     facts_.focal_35mm_mm = exif_number(*frame_, "FocalLengthIn35mmFilm").value_or(0);
   }
   return {};

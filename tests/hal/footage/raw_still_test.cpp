@@ -339,3 +339,10 @@ TEST_CASE("a raw still that is damaged, or none, is an error that names it") {
   CHECK(sample::error_of(open_footage(posix_storage(), {folder + "/missing.cr2"}, 0)).code ==
         ErrorCode::NotFound);
 }
+
+TEST_CASE("a camera is called by its make and model, and not where no model is stated") {
+  CHECK(camera_model("Canon ", "EOS R5\t") == "Canon EOS R5");
+  CHECK(camera_model(" ", "EOS R5") == "EOS R5");
+  CHECK(camera_model("", "").empty());
+  CHECK(camera_model("Canon", " ").empty());
+}
