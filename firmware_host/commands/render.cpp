@@ -172,11 +172,10 @@ Result<void> check_depth(const Settings& settings, const FilmedRecording& snapsh
 // Before the film, which would be whole when its poses turn out to be none.
 Result<void> check_poses(const Settings& settings, const SceneHead& scene) {
   if (!needs_of(settings.output).poses || newest_posed(scene) != nullptr) return {};
-  return Error{
-      ErrorCode::Invalid,
-      fmt::format("{} needs poses, and no frame of the snapshot has one; leave it out, or save the "
-                  "scene without --emit state and --set field=none",
-                  settings.output.path(sink_name::kTransforms).empty() ? "--colmap" : "--transforms")};
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} needs poses, and no frame of the snapshot has one; leave it out, or save the "
+                           "scene without --emit state and --set field=none",
+                           flag_of_poses(settings.output))};
 }
 
 Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Surroundings& around) {

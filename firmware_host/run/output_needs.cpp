@@ -166,18 +166,21 @@ Result<void> check_needs(const Settings& settings) {
   return check_field_is_there(settings);
 }
 
+const char* flag_of_poses(const Settings::Output& output) {
+  return is_written(output, sink_name::kTransforms) ? "--transforms" : "--colmap";
+}
+
 bool tracks_poses(const Settings& settings) {
   return options_of(settings, FieldUse::Fills).knobs.field != FieldKind::None;
 }
 
 Result<void> check_tracked_poses(const Settings& settings, std::string_view cause) {
   if (!needs_of(settings.output).poses || tracks_poses(settings)) return {};
-  const char* flag = is_written(settings.output, sink_name::kTransforms) ? "--transforms" : "--colmap";
   return Error{
       ErrorCode::Invalid,
       fmt::format("{} needs poses: {}, and none is tracked without the field, which {} leaves out; leave "
                   "out one of them",
-                  flag, cause, what_leaves_out_field(settings.fit))};
+                  flag_of_poses(settings.output), cause, what_leaves_out_field(settings.fit))};
 }
 
 }  // namespace hdrcam

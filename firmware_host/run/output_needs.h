@@ -46,6 +46,8 @@ void write_result_beside_frames(const Settings::Output& output, std::string_view
 // for an address of the live page that is none or a token that is too short.
 Result<void> check_needs(const Settings& settings);
 
+// The flag of an output that needs poses, where there is one.
+const char* flag_of_poses(const Settings::Output& output);
 // Whether the run tracks poses, which the field is for.
 bool tracks_poses(const Settings& settings);
 // Where no poses are given. Invalid where outputs need them and none is tracked; cause: why none is given,
