@@ -15,6 +15,7 @@ class CompactFrame {
   // The frame as it was; its storage is reused.
   void restore(ExposedFrame& frame) const;
   const FrameFacts& facts() const { return frame_.facts; }
+  float exposure() const { return frame_.exposure; }  // ExposedFrame
   std::size_t bytes() const;  // of its picture
 
  private:

@@ -104,6 +104,11 @@ std::vector<Knob> stream_knobs() {
           {.costs = "a tenth of the time where things move",
            .gives = "sharp frames of what moves; stated: as exposure times say; shown: unless frames "
                     "contradict it, as stills that are played as a video do"}),
+      choice<&K::light>(
+          "light", {"steady", "followed"},
+          {.gives =
+               "followed: where lamps on the mains make frames of one exposure brighter and darker, each "
+               "frame's own light counts as exposure; steady: every exposure is what it is stated to be"}),
       choice<&K::response>(
           "response", {"curve", "network", "mean", "linear"},
           {.gives = "an unknown response: a curve under the prior of real cameras; for comparison a small "

@@ -30,6 +30,10 @@ enum class NoiseKind { Assumed, Learned };
 // (state/shown_blur.h).
 enum class BlurKind { Off, Stated, Shown };
 
+// Light from one frame to the next: as steady as exposures say, or followed where frames show that it is not
+// (state/frame_light.h).
+enum class LightKind { Steady, Followed };
+
 struct Knobs {
   FrameBudget budget;
   int look_ahead = 1;                       // later frames that an emission waits for: 0..2, or kAsSizeAllows
@@ -39,6 +43,7 @@ struct Knobs {
   float code_noise = 1;      // codes rms (NoiseModel)
   NoiseKind noise = NoiseKind::Learned;
   BlurKind motion_blur = BlurKind::Shown;
+  LightKind light = LightKind::Followed;
   ResponseModel response = ResponseModel::Curve;  // of frames whose response is unknown
   StateOptions state;
   PoseKind pose = PoseKind::Given;

@@ -117,6 +117,7 @@ void OnlineStage::match(std::size_t place, const ExposureTables& tables) {
                          .from_previous = joins_newest() || (learns && !at_newer)};
   motion_->match(state_->state(), newest.frame, tables,
                  {budget_.flow, budget_.blurs, frames_.before_ratio(place)}, rated, newest.motion);
+  sensor_.follow_light(newest.frame, newest.motion.to_previous, unseen_variance());
   watch.lap(Stage::Motion);
   if (!learns) return;
   sensor_.learn_noise(previous, newest.frame, newest.motion);

@@ -1,5 +1,7 @@
 #include "online/sensor_model.h"
 
+#include <cmath>
+
 #include "capture/amplified_noise.h"
 #include "capture/companding.h"
 #include "capture/to_exposed_frame.h"
@@ -33,6 +35,7 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
                          const std::optional<Response>& response, const StateLayer& state, WorkerPool& pool)
     : noise_kind_(knobs.noise),
       blur_kind_(knobs.motion_blur),
+      light_kind_(knobs.light),
       response_stated_(response.has_value()),
       state_(state),
       pool_(pool),
@@ -40,6 +43,7 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
                 .frames = knobs.bootstrap_frames,
                 .code_step = code_step_of(camera),
                 .bits = camera.bits,
+                .light_may_change = knobs.light == LightKind::Followed,
                 .known = response}),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(std::in_place, pool),
@@ -91,6 +95,8 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
     own_response_ = below_white(response_, black_level_, camera_black_level(), white_level_);
   neutral_gains_ = estimate.neutral_gains;
   exposures_ = estimate.exposures;
+  first_light_ = estimate.light;
+  if (!first_light_.empty()) frame_light_.expect_unsteady();
   noise_origin_ = NoiseOrigin::Unknown;
   if (!estimate.noise || noise_kind_ != NoiseKind::Learned) return;
   noise_origin_ = NoiseOrigin::Sensor;
@@ -101,6 +107,8 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
 void SensorModel::correct(ExposedFrame& frame) const {
   if (!response_stated_) remove_black_level(frame, black_level_);
   frame.exposure = exposures_.corrected(frame.exposure);
+  if (const auto age = static_cast<std::size_t>(frame.index - begun_with_); age < first_light_.size())
+    frame.exposure *= std::exp(first_light_[age]);
 }
 
 BlackLevel SensorModel::camera_black_level() const {
@@ -132,6 +140,14 @@ void SensorModel::compare(const ExposedFrame& frame, float stated, const FlowFie
   if (noise_kind_ == NoiseKind::Assumed) return;
   texture_error_->observe(compared);
   for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
+}
+
+void SensorModel::follow_light(ExposedFrame& frame, const FlowField& motion, float unseen_variance) {
+  const bool told = static_cast<std::size_t>(frame.index - begun_with_) < first_light_.size();
+  if (light_kind_ == LightKind::Steady || told) return;
+  const float light =
+      frame_light_.follow({frame, state_.state(), motion, tables_for(frame), unseen_variance});
+  if (light != 0) frame.exposure *= std::exp(light);
 }
 
 // Whether a frame tells of noise and blur: every one at first; every fifth later, so that each pair of a

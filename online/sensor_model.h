@@ -14,6 +14,7 @@
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
 #include "online/response/response_learner.h"
+#include "online/state/frame_light.h"
 #include "online/state/shown_blur.h"
 #include "online/state/state_layer.h"
 #include "online/state/texture_error.h"
@@ -49,6 +50,9 @@ class SensorModel {
   // Compares the frame with the state of the frame before. motion: from its pixels to the state's; stated: as
   // count_blur() returned it; unseen_variance: from which on a pixel of the state counts as unseen.
   void compare(const ExposedFrame& frame, float stated, const FlowField& motion, float unseen_variance);
+  // Where light is unsteady, the frame's own light becomes part of its exposure. motion: from its pixels to
+  // the state's.
+  void follow_light(ExposedFrame& frame, const FlowField& motion, float unseen_variance);
   // Whether learn_noise() wants the pair that the frame makes with the one before it.
   bool learns_noise(const ExposedFrame& frame) const;
   // motion: between the two, rated along the pixels of the shorter exposure (noise_is_seen_in_newer).
@@ -96,6 +100,8 @@ class SensorModel {
   float texture_error_of_mosaic() const { return texture_error_of_mosaic_; }  // 0: there is none
   // Whether frames show the motion blur that their exposure times state (shown_blur.h).
   bool blur_shown() const { return shown_blur_.shown(); }
+  // Of the frames' own light where it is unsteady (frame_light.h), root mean square in stops; else 0.
+  double light_spread_stops() const { return frame_light_.spread_stops(); }
 
  private:
   using ExposureAndGain = std::pair<float, float>;
@@ -108,6 +114,7 @@ class SensorModel {
 
   const NoiseKind noise_kind_;
   const BlurKind blur_kind_;
+  const LightKind light_kind_;
   const bool response_stated_;
   const StateLayer& state_;
   WorkerPool& pool_;
@@ -120,6 +127,7 @@ class SensorModel {
   WhiteLevel white_level_;
   std::optional<ChannelGains> neutral_gains_;
   ExposureCorrections exposures_;
+  std::vector<float> first_light_;  // ln, of the first frames, where light is unsteady
   std::vector<int> relearned_;
   int begun_with_ = 0;  // the index of the first frame under this response
 
@@ -129,6 +137,7 @@ class SensorModel {
   const float texture_error_of_mosaic_;
   std::optional<TextureError> texture_error_;
   ShownBlur shown_blur_;
+  FrameLight frame_light_;
   double reference_gain_ = 0;  // 0: no frame came yet
   std::map<ExposureAndGain, ExposureTables> tables_;
 };

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "capture/exposed_frame.h"
 #include "capture/noise_model.h"
@@ -32,6 +33,9 @@ struct ResponseEstimate {
   // Of the radiance, R G B, so that white is neutral, where the curves make it coloured because clipped
   // pixels are smeared (smeared_white.h); their product is 1.
   std::optional<ChannelGains> neutral_gains = {};
+  // ln of the exposure of each of the first frames over the stated one, where light is unsteady
+  // (first_light.h): then no exposure is corrected as such. Empty where it is steady.
+  std::vector<float> light = {};
 };
 
 // What the curve may be.

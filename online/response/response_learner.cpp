@@ -1,8 +1,11 @@
 #include "online/response/response_learner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <system_error>
 #include <utility>
+
+#include "online/response/first_light.h"
 
 namespace hdrcam {
 namespace {
@@ -36,16 +39,38 @@ void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* b
 
 ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, const NoiseModel& noise,
                                         WorkerPool& pool) {
+  const std::vector<float> light = light_of(frames);
+  if (!light.empty()) {
+    estimator_ = ResponseEstimator(frames[0].facts().black_level, options_.code_step);
+    look(frames, light, SceneCuts::Possible);
+  }
   // not every pair of frames spans a cut; but where only exposures are learned, the stated ones are better
-  if (estimator_.pairs() == 0 && !options_.known) look(frames, SceneCuts::None);
+  if (estimator_.pairs() == 0 && !options_.known) look(frames, light, SceneCuts::None);
   frames_ = look_at_ = static_cast<long>(frames.size());
   if (options_.known) {
     measured_ = true;
-    return estimator_.estimate_under(*options_.known, noise, &pool);
+    return of_stated(estimator_.estimate_under(*options_.known, noise, &pool), frames, light);
   }
   ResponseEstimate estimate = estimator_.estimate(noise, options_.model, &pool);
   measured_ = is_measured(estimate);
   uncertainty_ = uncertainty_of(estimate.response);
+  return of_stated(std::move(estimate), frames, light);
+}
+
+std::vector<float> ResponseLearner::light_of(std::span<const CompactFrame> frames) const {
+  if (!options_.light_may_change) return {};
+  return unsteady_light(frames, options_.known ? *options_.known : prior_mean_response());
+}
+
+// Where light is unsteady, what was fitted is not what a stated exposure is off, but a frame's own.
+ResponseEstimate ResponseLearner::of_stated(ResponseEstimate estimate, std::span<const CompactFrame> frames,
+                                            std::span<const float> light) const {
+  if (!unsteady_) return estimate;
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    const float stated = frames[i].exposure();
+    estimate.light.push_back(std::log(estimate.exposures.corrected(stated * std::exp(light[i])) / stated));
+  }
+  estimate.exposures = {};
   return estimate;
 }
 
@@ -60,8 +85,8 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
     window_.emplace_back(frame, options_.bits);
     if (gathered + 1 == options_.frames)
       fit_ = started([this, noise] {
-        look(window_, SceneCuts::Possible);
-        return estimator_.estimate(noise, options_.model);
+        look(window_, light_of(window_), SceneCuts::Possible);
+        return of_stated(estimator_.estimate(noise, options_.model), {}, {});
       });
     return {};
   }
@@ -85,11 +110,14 @@ bool ResponseLearner::is_measured(const ResponseEstimate& estimate) const {
   return told && (estimator_.pairs() > 0 || estimate.noise);
 }
 
-// At frames in a row.
-void ResponseLearner::look(std::span<const CompactFrame> frames, SceneCuts cuts) {
+// At frames in a row. light: ln, of each; none where it is steady.
+void ResponseLearner::look(std::span<const CompactFrame> frames, std::span<const float> light,
+                           SceneCuts cuts) {
+  unsteady_ = unsteady_ || !light.empty();
   ExposedFrame before, frame;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].restore(frame);
+    if (!light.empty()) frame.exposure *= std::exp(light[i]);
     if (cuts == SceneCuts::Possible) estimator_.add_noise(frame);
     if (i > 0) estimator_.add_pair(before, frame, cuts);
     std::swap(before, frame);

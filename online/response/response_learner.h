@@ -24,6 +24,7 @@ class ResponseLearner {
     int frames = 6;                      // in a row that are looked at together
     float code_step = 1;                 // of the quantiser, in codes of 255
     int bits = 8;                        // of the camera's codes
+    bool light_may_change = true;        // from frame to frame (first_light.h)
     std::optional<Response> known = {};  // then only exposures and noise are learned
   };
   explicit ResponseLearner(Options options) : options_(options) {}
@@ -45,12 +46,16 @@ class ResponseLearner {
   double uncertainty() const { return uncertainty_; }  // of the response in use: one sigma of ln x
 
  private:
-  void look(std::span<const CompactFrame> frames, SceneCuts cuts);
+  void look(std::span<const CompactFrame> frames, std::span<const float> light, SceneCuts cuts);
+  std::vector<float> light_of(std::span<const CompactFrame> frames) const;
+  ResponseEstimate of_stated(ResponseEstimate estimate, std::span<const CompactFrame> frames,
+                             std::span<const float> light) const;
   bool is_measured(const ResponseEstimate& estimate) const;
 
   const Options options_;
   ResponseEstimator estimator_;  // of the fit alone, while it runs
   bool measured_ = false;
+  bool unsteady_ = false;   // the light of some frames that were looked at
   double uncertainty_ = 0;  // of the response in use
   long frames_ = 0;         // so far
   long look_at_ = 0;        // the frame with which the next look begins
