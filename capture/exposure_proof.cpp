@@ -214,10 +214,11 @@ bool ExposureProof::another_explains_better(double claimed, const Explanations& 
 }
 
 // Whether the picture differs from those of the claimed exposure as by the light of lamps on the mains, of
-// which a short exposure sees one moment: by less than a stop, by a third at most of what it differs from
-// those of any other exposure, and from these as the claim says, but for a part of that light.
+// which a short exposure sees one moment: by less than 1.3 stops, by less than half of what it differs from
+// those of any other exposure, and from these as the claim says, but for a part of that light. Of a cycle of
+// one exposure nothing else can differ.
 bool ExposureProof::differs_as_by_light(double claimed) const {
-  constexpr double kMost = 0.7, kShare = 1.0 / 3;
+  constexpr double kMost = 0.9, kShare = 0.45;  // ln; of the difference
   const auto each = [&](const auto& visit) {
     for (std::size_t age = 1; age < count_; ++age)
       if (const auto& ratio = back(0).ratio_from[age - 1]; ratio && back(age).judgement.trusted())
@@ -238,7 +239,25 @@ bool ExposureProof::differs_as_by_light(double claimed) const {
     fits = fits && std::abs(light) <= kShare * std::abs(ratio.log_ratio) && ratio.low <= bright &&
            dark <= ratio.high;
   });
-  return fits && others;
+  return fits && (others || !exposures_differ_);
+}
+
+// Whether a claim of this source stands though the light of lamps contradicts it: one that states the frame
+// by itself or by its place in a cycle at once; what a camera reports, which may have exposed otherwise than
+// it says, only where the light of another frame of late changed, too.
+bool ExposureProof::outweighs_light(ExposureSource source) const {
+  switch (source) {
+    case ExposureSource::Embedded:
+    case ExposureSource::Declared:
+    case ExposureSource::Estimated:
+      return true;
+    case ExposureSource::Reported:
+      for (std::size_t age = 1; age < count_; ++age)
+        if (back(age).judgement.as_by_light) return true;
+      return false;
+    default:
+      return false;
+  }
 }
 
 // How far the truth may be from a label that the neighbours confirm: the width of the best ratio; through a
@@ -303,8 +322,10 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
 
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
       another_explains_better(claimed, explanations) || explanations.other_gains_fit_better) {
-    judgement.verdict = Verdict::Contradicted;
     judgement.as_by_light = differs_as_by_light(claimed);
+    judgement.verdict = judgement.as_by_light && outweighs_light(judgement.label.source)
+                            ? Verdict::Plausible
+                            : Verdict::Contradicted;
   } else if (!claims_agree ||
              (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;

@@ -18,6 +18,9 @@
 //      its claim contradicts the ratios to its
 //      neighbours at least as often as it agrees,
 //      or another exposure explains them better  -> contradicted
+//      but where the pictures differ no more than
+//      the light of lamps on the mains does, and
+//      the claim is stronger than a prediction   -> plausible
 //    not unique, claims disagree, or the best
 //      is a doubtful prediction                  -> unknown
 //    not unique, nothing contradicts             -> plausible
@@ -68,7 +71,7 @@ struct Judgement {
   double within_ev = 0;          // remaining uncertainty of a proved label, stops
   std::optional<double> unique;  // ln E from pictures and strobe alone, where they are unanimous
   bool strobe_refuses = false;   // the width of the strobe's pulse: the best claim
-  bool as_by_light = false;      // contradicted by no more than the light of lamps changes
+  bool as_by_light = false;      // the pictures differ by no more than the light of lamps changes
 
   bool trusted() const {
     return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;
@@ -145,6 +148,7 @@ class ExposureProof {
   Votes neighbours_on(double claimed) const;
   bool another_explains_better(double claimed, const Explanations& explanations) const;
   bool differs_as_by_light(double claimed) const;
+  bool outweighs_light(ExposureSource source) const;
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;

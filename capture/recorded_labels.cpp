@@ -23,7 +23,7 @@ Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   if (by_earlier.unique && by_later.unique && !same_exposure(*by_earlier.unique, *by_later.unique)) {
     Judgement divided = by_earlier;
     divided.verdict = Verdict::Contradicted;
-    divided.relabelled = divided.as_by_light = false;
+    divided.relabelled = false;
     divided.unique.reset();
     return divided;
   }
@@ -31,13 +31,6 @@ Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   if (by_later.unique) return by_later;
   if (by_earlier.unique) return by_earlier;
   return by_earlier.trusted() ? by_later : by_earlier;
-}
-
-// Sources that state a frame by itself or by its place in a cycle. What a camera reports or what was
-// predicted for it may be an exposure that nobody asked for, and stays contradicted.
-bool is_stated(ExposureSource source) {
-  return source == ExposureSource::Embedded || source == ExposureSource::Declared ||
-         source == ExposureSource::Estimated;
 }
 
 }  // namespace
@@ -193,8 +186,6 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
     frame.proof.verdict = contradicted ? Verdict::Contradicted : Verdict::Unknown;
   } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
     frame.proof.verdict = Verdict::Proved;
-  } else if (!flagged && judgement.as_by_light && is_stated(facts.exposure_source)) {
-    frame.proof.verdict = Verdict::Plausible;
   }
   frame.proof.limit_to(facts.exposure_source);
   if (frame.proof.verdict == Verdict::Contradicted && facts.has_exposure()) {

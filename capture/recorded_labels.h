@@ -1,8 +1,7 @@
 // Judges the exposures that a recording states by its pictures, with the same proof as on a camera
 // (exposure_proof.h) and with two things that only a file allows. The first frames are judged backward as
 // well, from the frames after them, since none precede them. A label that all pictures contradict is replaced
-// where they agree on another of the clip's own exposures; otherwise the frame is flagged, but for a label
-// that was stated or declared and a picture that differs as by the light of lamps on the mains. An exposure
+// where they agree on another of the clip's own exposures; otherwise the frame is flagged. An exposure
 // that was proved on the camera stays proved unless the pictures contradict it. Exposures that were estimated
 // from the pictures are at best estimated, labels that the pictures gave a frame plausible: pictures do not
 // prove what was taken from them. Where neighbours have nothing in common that a ratio could be taken of,

@@ -46,7 +46,7 @@ std::optional<float> FrameLight::beyond_state(const StateComparison& seen) {
 void FrameLight::remember(const Light& light) { recent_[count_++ % kRemembered] = light; }
 
 std::optional<float> FrameLight::unsteadiness() const {
-  constexpr std::size_t kFew = 4;
+  constexpr std::size_t kFew = 8;
   const std::span<const Light> all(recent_.data(), std::min(count_, kRemembered));
   InlineList<float, kRemembered> apart;
   for (const Light& light : all) {
