@@ -60,6 +60,21 @@ Result<void> set_knob_from(const std::string& assignment, const std::vector<cons
                                                did_you_mean(name, names))};
 }
 
+// What of the command line set each knob, by the knob's name: "--set look_ahead=2", "--lookahead 0".
+class KnobsGiven {
+ public:
+  // Error: an earlier one set the same knob.
+  Result<void> add(const std::string& knob, const std::string& words) {
+    const auto [first, is_first] = words_.try_emplace(knob, words);
+    if (is_first) return {};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} and {} set the same knob; leave out one of them", first->second, words)};
+  }
+
+ private:
+  std::map<std::string, std::string> words_;
+};
+
 }  // namespace
 
 struct SettingsFlags::Given {
@@ -139,11 +154,18 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
                       given_->config)};
     TRY(read_toml(text, given_->config, settings));
   }
-  for (const auto& [field, option] : given_->flags)
-    if (option->count() > 0)
-      TRY(set_from_text(*field, option->as<std::string>(), option->get_name(), settings));
-  for (const std::string& assignment : given_->assignments)
+  KnobsGiven knobs;
+  for (const auto& [field, option] : given_->flags) {
+    if (option->count() == 0) continue;
+    const auto value = option->as<std::string>();
+    TRY(set_from_text(*field, value, option->get_name(), settings));
+    if (field->knob != nullptr)
+      TRY(knobs.add(field->knob->name, fmt::format("{} {}", option->get_name(), value)));
+  }
+  for (const std::string& assignment : given_->assignments) {
     TRY(set_knob_from(assignment, given_->knobs, settings));
+    TRY(knobs.add(assignment.substr(0, assignment.find('=')), "--set " + assignment));
+  }
   if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   return settings;
 }

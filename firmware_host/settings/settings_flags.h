@@ -1,5 +1,5 @@
 // The settings on a command line: a flag for each, --config and --print-config. The last one given in this
-// order wins: default, file, flag. Thread-bound.
+// order wins: default, file, flag; of two flags for one knob neither does. Thread-bound.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,9 @@ class SettingsFlags {
   ~SettingsFlags();
 
   // Errors: those of reading the file; Invalid for TOML that does not parse, an unknown key, a value of
-  // another type or outside its range, naming file, line and valid values. A file may hold keys of groups
-  // that this verb does not use: one file serves all verbs. The format of the log holds from here on.
+  // another type or outside its range, naming file, line and valid values, and for a knob that is set twice.
+  // A file may hold keys of groups that this verb does not use: one file serves all verbs. The format of the
+  // log holds from here on.
   Result<Settings> read(Storage& storage) const;
   // The same for a verb: with --print-config it prints the settings of this verb, and there are none to run
   // with.

@@ -188,7 +188,7 @@ TEST_CASE("settings that differ from the defaults can be typed again as flags") 
 }
 
 TEST_CASE("a knob is set by --set and by the file, and is checked where it is read") {
-  const auto set = from_flags({"--set", "steps=100", "--set", "loss.flow=0.5", "--set=steps=7"});
+  const auto set = from_flags({"--set", "steps=7", "--set=loss.flow=0.5"});
   REQUIRE(set.ok());
   CHECK(set.value().fit.knobs == std::map<std::string, std::string>{{"steps", "7"}, {"loss.flow", "0.5"}});
   const auto file = from_toml("[knobs]\nsteps = 100\nshrinkage = \"off\"\nloss.flow = 0.5\n");
@@ -204,12 +204,19 @@ TEST_CASE("a knob is set by --set and by the file, and is checked where it is re
   CHECK_THAT(sentence(from_toml("[knobs]\nstpes = 1\n")), Contains("(did you mean 'knobs.steps'?)"));
 }
 
-TEST_CASE("a knob with a flag of its own has one value, of whichever of the two was given last") {
+TEST_CASE("a command line that sets a knob twice is refused, and both flags are named") {
+  CHECK(sentence(from_flags({"--set", "steps=100", "--set", "loss.flow=0.5", "--set=steps=7"})) ==
+        "--set steps=100 and --set steps=7 set the same knob; leave out one of them");
+  CHECK(sentence(from_flags({"--set", "look_ahead=2", "--lookahead", "0"})) ==
+        "--lookahead 0 and --set look_ahead=2 set the same knob; leave out one of them");
+  CHECK(sentence(from_flags({"--code-noise=1", "--set", "code_noise=1"})) ==
+        "--code-noise 1 and --set code_noise=1 set the same knob; leave out one of them");
+}
+
+TEST_CASE("a knob with a flag of its own has one value, and the flag wins over the file") {
   using Set = std::map<std::string, std::string>;
   CHECK(from_flags({"--lookahead", "0", "--code-noise", "2.5"}).value().fit.knobs ==
         Set{{"look_ahead", "0"}, {"code_noise", "2.5"}});
-  CHECK(from_flags({"--set", "look_ahead=2", "--lookahead", "0"}).value().fit.knobs ==
-        Set{{"look_ahead", "2"}});
   const std::string path = file_with("[knobs]\nlook_ahead = 0\ncode_noise = 3\n");
   CHECK(from_flags({"--config", path, "--lookahead", "1", "--code-noise", "2"}).value().fit.knobs ==
         Set{{"look_ahead", "1"}, {"code_noise", "2"}});
