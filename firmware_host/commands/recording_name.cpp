@@ -2,21 +2,14 @@
 
 #include <fmt/format.h>
 
-#include "firmware_host/sinks/frame_pattern.h"
 #include "hal/core/counted.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
 
 Result<void> check_recording_name(Storage& storage, const char* flag, const std::string& path) {
-  if (path.empty()) return {};
-  const bool matroska = video_container_of(path) == VideoContainer::Matroska;
-  if (matroska && !FramePattern::is_one(path)) return {};
+  if (path.empty() || video_container_of(path) == VideoContainer::Matroska) return {};
   if (TRY(storage.look_at(path)).kind == FileKind::Other) return {};
-  if (matroska)
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("{} '{}' numbers files, and a recording is one file; name it like walk.mkv", flag, path)};
   return Error{
       ErrorCode::Invalid,
       fmt::format("{} '{}' is not the name of a recording, which is a Matroska file; name it like walk.mkv",

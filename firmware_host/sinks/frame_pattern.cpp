@@ -41,15 +41,6 @@ Error not_numbered(std::string_view flag, std::string_view text, std::string_vie
   return refusal;
 }
 
-// Any other '%' of a folder's name is a character like others.
-bool holds_number(std::string_view folder) {
-  for (std::size_t at = folder.find('%'); at != std::string_view::npos; at = folder.find('%', at + 1)) {
-    const std::size_t end = folder.find_first_not_of("0123456789", at + 1);
-    if (end != std::string_view::npos && end > at + 1 && folder[end] == 'd') return true;
-  }
-  return false;
-}
-
 // The "06" of a text that begins with "%06d"; none of one that does not.
 std::optional<std::string_view> width_of_number(std::string_view text) {
   const std::size_t end = text.find_first_not_of("0123456789", 1);
@@ -61,10 +52,18 @@ std::optional<std::string_view> width_of_number(std::string_view text) {
 
 }  // namespace
 
+bool holds_frame_number(std::string_view text) {
+  for (std::size_t at = text.find('%'); at != std::string_view::npos; at = text.find('%', at + 1)) {
+    const std::size_t end = text.find_first_not_of("0123456789", at + 1);
+    if (end != std::string_view::npos && end > at + 1 && text[end] == 'd') return true;
+  }
+  return false;
+}
+
 Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text,
                                          std::string_view extension) {
   const std::size_t slash = text.rfind('/'), begin = slash == std::string_view::npos ? 0 : slash + 1;
-  if (holds_number(text.substr(0, begin)))
+  if (holds_frame_number(text.substr(0, begin)))
     return refused(flag, text, fmt::format("has the {} number in a folder's name", content_of(flag)),
                    extension);
   const auto percents = std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), '%');

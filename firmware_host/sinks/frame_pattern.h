@@ -45,6 +45,10 @@ class FramePattern {
   std::string after_;
 };
 
+// Whether a number such as "%06d" is anywhere in a path, in the name of a folder as well. Any other '%' is a
+// character like others.
+bool holds_frame_number(std::string_view text);
+
 // How many digits such a name ends in, without its extension: 4 of "f0041", 0 of "f".
 std::size_t digits_at_end(std::string_view stem);
 

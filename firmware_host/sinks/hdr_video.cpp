@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/video_target.h"
 #include "hal/video/picture_converter.h"
@@ -173,11 +172,6 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
   if (!container)
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is not the name of a video; name it film.mp4 (.mov, .mkv)", path)};
-  if (FramePattern::is_one(path))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' numbers frames, and a video is one file; give out.mp4, "
-                             "or out/%06d.exr for HDR frames",
-                             path)};
   if (*container == VideoContainer::Mov && options.codec == CodecChoice::Av1)
     return Error{ErrorCode::Invalid,
                  fmt::format("--codec av1 does not fit '{}', as .mov holds hevc and h264; name the video "

@@ -101,6 +101,11 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
     return Error{ErrorCode::Invalid,
                  fmt::format("{} '{}' names a folder; name a file in it", output.flag, output.path)};
   place.facts = TRY(storage.look_at(output.path));
+  if (place.facts.kind != FileKind::Other && holds_frame_number(output.path))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} '{}' has a frame number in its name, and is one file; name it without the "
+                             "number",
+                             output.flag, output.path)};
   return place;
 }
 

@@ -371,7 +371,7 @@ TEST_CASE("a recording is one file, so its name has no number for each frame or 
   const Error refused =
       sample::error_of(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/take%03d.mkv"));
   CHECK(refused.code == ErrorCode::Invalid);
-  CHECK(refused.message.find("numbers files, and a recording is one file") != std::string::npos);
+  CHECK(refused.message.find("has a frame number in its name, and is one file") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(folder + "/take%03d.mkv"));
   CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/50%.mkv").ok());
 }

@@ -272,8 +272,11 @@ TEST_CASE("the video of a film of 8-bit pictures is a video, and replaces no pic
   const std::string folder = sample::scratch_folder("render_ldr_video"), kept = folder + "/000000.png";
   const std::string text = "an earlier picture";
   REQUIRE(write_whole(posix_storage(), kept, std::as_bytes(std::span(text))).ok());
-  CHECK_THAT(refusal({"--ldr", "--time", "0.2", "--set", "steps=1", "--video", folder + "/%06d.png"}),
-             Contains("is not the name of a video"));
+  const auto refused_video = [&](const char* name) {
+    return refusal({"--ldr", "--time", "0.2", "--set", "steps=1", "--video", folder + name});
+  };
+  CHECK_THAT(refused_video("/%06d.png"), Contains("has a frame number in its name, and is one file"));
+  CHECK_THAT(refused_video("/film.png"), Contains("is not the name of a video"));
   CHECK(read_whole(posix_storage(), kept).value() == text);
 }
 

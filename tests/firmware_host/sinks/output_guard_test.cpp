@@ -1,5 +1,7 @@
 #include "firmware_host/sinks/output_guard.h"
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -195,6 +197,27 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
   refused({"--depth", "o/depth.png", OutputKind::Frames, ".png"}, "would put every frame into one file");
   refused({"--stats", "o/", OutputKind::Page}, "names a folder");
   CHECK_FALSE(fs::exists(desk.folder + "/o"));
+}
+
+TEST_CASE("an output of one file has no frame number in its name, nor in that of its folder") {
+  const Desk desk("guard_number");
+  for (const NamedOutput& output :
+       {NamedOutput{"--stats", "o/%06d.json"}, NamedOutput{"--report", "o/%06d/report.html"},
+        NamedOutput{"--stats", "o/%6d_%03d.json"}, NamedOutput{"--sheet", "o/%06d.png", OutputKind::Picture},
+        NamedOutput{"--snapshot", "o/%06d.hdrscene", OutputKind::Scene},
+        NamedOutput{"--output", "o/%06d.mp4", OutputKind::Recording},
+        NamedOutput{"--transforms", "o/%06d.json", OutputKind::Poses}}) {
+    INFO(output.path);
+    const Result<void> checked = desk.check({output}, Overwrite::Force);
+    require_error(checked, ErrorCode::Invalid);
+    CHECK(checked.error().message ==
+          output.flag + " '" + desk.folder + "/" + output.path +
+              "' has a frame number in its name, and is one file; name it without the number");
+  }
+  CHECK_FALSE(fs::exists(desk.folder + "/o"));
+  require_done(desk.check({{"--stats", "50%/100%.json"}, {"--report", "50%done.html"}}));
+  REQUIRE(mkfifo((desk.folder + "/%06d").c_str(), 0600) == 0);
+  require_done(desk.check({{"--stats", "%06d"}}));
 }
 
 TEST_CASE("who names a device for frames, to time a run without them, learns how that is done") {
