@@ -1,6 +1,7 @@
 #include "firmware_host/sinks/live_view/live_view.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,12 +74,17 @@ HttpAnswer no_picture(const Error& error) {
 
 HttpAnswer no_camera() { return http_error(409, "this run has no camera"); }
 
-// The JSON object in a body; null where there is none. Errors: Invalid where it names a key twice.
-Result<nlohmann::json> object_in(const HttpRequest& request) {
+// The JSON object in a body; null where there is none. Errors: Invalid where it names a key twice, or one
+// that is not among these.
+Result<nlohmann::json> object_in(const HttpRequest& request, const std::vector<std::string>& keys) {
   auto json = parsed_json<nlohmann::json>(request.body);
   if (!json.is_object()) return nlohmann::json();
   if (const auto key = repeated_key<nlohmann::json>(request.body))
     return Error{ErrorCode::Invalid, fmt::format("the body names '{}' twice; name it once", *key)};
+  for (const auto& member : json.items())
+    if (std::ranges::find(keys, member.key()) == keys.end())
+      return Error{ErrorCode::Invalid,
+                   fmt::format("the body names '{}'; it takes {}", member.key(), fmt::join(keys, " and "))};
   return json;
 }
 
@@ -201,7 +207,7 @@ HttpAnswer LiveView::pixel(const HttpRequest& request) {
 
 HttpAnswer LiveView::record(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const Result<nlohmann::json> sent = object_in(request);
+  const Result<nlohmann::json> sent = object_in(request, {"on"});
   if (!sent) return answer_of(sent.error());
   const nlohmann::json& body = sent.value();
   if (!body.contains("on") || !body["on"].is_boolean())
@@ -217,7 +223,7 @@ HttpAnswer LiveView::record(const HttpRequest& request) {
 
 HttpAnswer LiveView::change_cycle(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const Result<nlohmann::json> sent = object_in(request);
+  const Result<nlohmann::json> sent = object_in(request, {"shutter", "gain"});
   if (!sent) return answer_of(sent.error());
   const nlohmann::json& body = sent.value();
   if (!body.contains("shutter") || !body["shutter"].is_string() ||

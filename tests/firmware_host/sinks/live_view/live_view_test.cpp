@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 #include <thread>
+#include <tuple>
 
 #include "hal/jpeg_decoder.h"
 #include "hal/recording/png_image.h"
@@ -399,6 +400,14 @@ TEST_CASE("recording and cycle are changed with the token alone, and refusals sa
     const HttpReply twice = post(path, body, kToken);
     CHECK(twice.status == 400);
     CHECK_THAT(json::parse(twice.body)["error"], Catch::Contains("twice"));
+  }
+  for (const auto& [path, body, refusal] :
+       {std::tuple("/record", R"({"on": true, "name": "a.mkv"})", "the body names 'name'; it takes on"),
+        {"/cycle", R"({"shutter": "2ms,4ms", "gian": "4"})",
+         "the body names 'gian'; it takes shutter and gain"}}) {
+    const HttpReply unknown = post(path, body, kToken);
+    CHECK(unknown.status == 400);
+    CHECK(json::parse(unknown.body)["error"] == refusal);
   }
   CHECK(control.file.empty());
   CHECK(control.shutter == "1ms,8ms");
