@@ -320,7 +320,7 @@ void add_render(CommandLine program, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(verb, kRecordingRunGroups, not_of_a_film());
   constexpr const char* kOutput =
       "HDR frames, numbered from 0: out/%06d.exr; 8-bit pictures of --ldr: out/%06d.png; a video: out.mp4 "
-      "(.mov, .mkv); or -, the standard output (\"\": none)";
+      "(.mov, .mkv); or -, the standard output, without --ldr (\"\": none)";
   verb.flag("--output").describe(kOutput);
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }

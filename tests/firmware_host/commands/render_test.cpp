@@ -291,6 +291,8 @@ TEST_CASE("what the verb cannot do is said before anything is written", "[film]"
              Contains("--shutter-angle takes a number, 0..360"));
   CHECK_THAT(refusal({"-o", frames, "--speed", "0"}), Contains("--speed takes a number, 0.001..1000"));
   CHECK_THAT(refusal({"-o", frames, "--exposure", "4ms"}), Contains("make 8-bit pictures"));
+  CHECK_THAT(refusal({"-o", "-", "--ldr"}), Contains("8-bit pictures, which '-' does not hold"));
+  CHECK_THAT(ran_here({"render", "--help"}).out, Contains("the standard output, without --ldr"));
   CHECK_THAT(refusal({"-o", folder + "/x/%06d.png"}), Contains("give --exposure 4ms or --ldr"));
   CHECK_THAT(refusal({"-o", frames, "--stereo", "63mm"}),
              Contains("the poses are tracked and have no metres"));
