@@ -33,6 +33,9 @@ inline constexpr std::string_view kSigma = "sigma";            // HdrFrame::sigm
 inline constexpr std::string_view kProvenance = "provenance";  // enum Provenance, 0..4
 }  // namespace exr_channel
 
+// Of a film's frame, among ExrAttributes::texts: HdrFrame::recorded_s.
+inline constexpr const char* kExrRecordedSeconds = "hdrcam.secondsInRecording";
+
 enum class ExrSample { Half, Float };
 enum class ExrCompression { None, Rle, Zip, Piz };                        // the largest files first
 inline constexpr ExrCompression kUsualCompression = ExrCompression::Piz;  // faster than Zip (README)

@@ -47,6 +47,9 @@ struct HdrFrameHead {
   LengthUnit length_unit = LengthUnit::Metre;  // of pose, depth and points
   std::optional<Intrinsics> lens;              // none where no single lens made the picture
   bool lens_is_assumed = false;                // the camera does not report it
+  // The moment that a film's frame shows, from the recording's first frame; none of a recorded frame, which
+  // shows its own.
+  std::optional<double> recorded_s;
 };
 
 struct HdrFrame : HdrFrameHead {

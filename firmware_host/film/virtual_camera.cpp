@@ -273,6 +273,7 @@ void VirtualCamera::label(int frame) {
   frame_.facts.sequence = static_cast<std::uint64_t>(frame);
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
+  frame_.recorded_s = plan_.scene_s(frame);
   state_camera(interval, plan_.playback_s(frame));
   if (plan_.exposure) frame_.neutral_gains.reset();  // the response makes the camera's own codes of the light
   balance_colours(white_balance_, frame_);

@@ -81,6 +81,7 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   if (facts.exposure_within_ev)
     attributes.texts["hdrcam.exposureWithinEv"] = fmt::format("{:.3f}", *facts.exposure_within_ev);
   attributes.texts[kSinceStart] = fmt::format("{:.9f}", to_seconds(facts.timestamp - start));
+  if (frame.recorded_s) attributes.texts[kExrRecordedSeconds] = fmt::format("{:.9f}", *frame.recorded_s);
   attributes.texts[kWhite] = fmt::format("{}", frame.white);
   attributes.comments = fmt::format(
       "hdrcam {}; frame {}; radiance 1 saturates the reference exposure{}; this frame's exposure is "

@@ -70,6 +70,9 @@ Result<Estimate> Estimates::read(std::uint64_t frame, int rows, int cols) const 
   estimate.flow_backward = flow_of(picture, exr_channel::kFlowBackward);
   estimate.flow_forward = flow_of(picture, exr_channel::kFlowForward);
   estimate.field_flow = flow_of(picture, exr_channel::kFieldFlow);
+  const auto& texts = picture.attributes.texts;
+  if (const auto moment = texts.find(kExrRecordedSeconds); moment != texts.end())
+    estimate.recorded_s = parse_number<double>(moment->second);
   using Names = std::span<const std::string_view>;
   for (const Names layer : std::initializer_list<Names>{exr_channel::kRadiance,
                                                         {&exr_channel::kDepth, 1},

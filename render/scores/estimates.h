@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,13 @@ namespace hdrcam {
 
 // One estimated frame; a layer that the file does not have is an empty image.
 struct Estimate {
-  Image<float> radiance;       // [rgb, rows, cols] finite
-  Image<float> depth;          // [1, rows, cols] camera z, any unit
-  Image<float> flow_backward;  // [dx dy, rows, cols] pixels to the previous frame
-  Image<float> flow_forward;   // [dx dy, rows, cols] pixels to the next frame
-  Image<float> field_flow;     // [dx dy, rows, cols] the field's, pixels to the previous frame
-  std::size_t not_finite = 0;  // samples of these layers in the file that were NaN or infinite
+  Image<float> radiance;             // [rgb, rows, cols] finite
+  Image<float> depth;                // [1, rows, cols] camera z, any unit
+  Image<float> flow_backward;        // [dx dy, rows, cols] pixels to the previous frame
+  Image<float> flow_forward;         // [dx dy, rows, cols] pixels to the next frame
+  Image<float> field_flow;           // [dx dy, rows, cols] the field's, pixels to the previous frame
+  std::optional<double> recorded_s;  // of a film's frame: the moment that it shows (HdrFrame)
+  std::size_t not_finite = 0;        // samples of these layers in the file that were NaN or infinite
 };
 
 class Estimates {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hal/core/json_text.h"
@@ -115,6 +116,9 @@ Result<void> GroundTruth::read_facts() {
                                  json_text(*stated))};
       numbers_.push_back(*number);
       exposures_.push_back(TRY(exposure_of(frame, which)));
+      const auto time = frame.find("time_s");
+      times_s_.push_back(time != frame.end() && time->is_number() ? time->get<double>()
+                                                                  : std::numeric_limits<double>::quiet_NaN());
     }
     novel_cameras_ = novel_cameras_of(truth.value(), numbers_.size());
     shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
@@ -129,6 +133,11 @@ Result<void> GroundTruth::read_facts() {
                  fmt::format("'{}' states {}x{} pixels that saturate at radiance {}; all must be above 0",
                              folder_, cols_, rows_, shortest_saturation_)};
   return {};
+}
+
+double GroundTruth::interval_s() const {
+  const auto steps = static_cast<double>(numbers_.back()) - static_cast<double>(numbers_.front());
+  return std::abs(time_s(frames() - 1) / steps);
 }
 
 std::string GroundTruth::path(const char* kind, int frame, const char* extension) const {

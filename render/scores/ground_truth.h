@@ -45,6 +45,10 @@ class GroundTruth {
   // The number of its HDR frame: the sensor's counter where the clip states it (a gap is a dropped frame),
   // otherwise the frame's position in the clip.
   std::uint64_t number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
+  // Seconds from the first frame, and between frames of neighbouring numbers; NaN where the clip states no
+  // times.
+  double time_s(int frame) const { return times_s_[static_cast<std::size_t>(frame)] - times_s_.front(); }
+  double interval_s() const;
   double shortest_saturation() const { return shortest_saturation_; }
 
   // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged; Corrupt where
@@ -68,6 +72,7 @@ class GroundTruth {
   int rows_ = 0, cols_ = 0;
   std::vector<double> exposures_;
   std::vector<std::uint64_t> numbers_;
+  std::vector<double> times_s_;                         // as stated
   std::vector<std::optional<PosePair>> novel_cameras_;  // of each frame
   double shortest_saturation_ = 0;
   std::array<bool, 256> moving_ids_{};

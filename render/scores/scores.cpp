@@ -112,6 +112,7 @@ class ClipScoring {
       TRY(unless_stopped());
       const Image<float> g = TRY(truth_.radiance(frame));
       const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
+      TRY(check_moment(frame, e));
       collect_log_ratios(g, e.radiance, log_ratios);
       if (e.depth.empty()) continue;
       const Image<float> depth = TRY(truth_.depth(frame));
@@ -119,6 +120,19 @@ class ClipScoring {
     }
     if (!depth_ratios.empty()) depth_scale_ = numpy_median(depth_ratios);
     return set_gains(log_ratios);
+  }
+
+  // A film counts its own frames, and may show another moment than the clip's frame of that number.
+  Result<void> check_moment(int frame, const Estimate& e) const {
+    if (!e.recorded_s || !(std::abs(*e.recorded_s - truth_.time_s(frame)) > truth_.interval_s() / 2))
+      return {};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' is a film's frame that shows the recording at {:.3f} s, and frame {} of the "
+                    "clip is at {:.3f} s; film the clip from its first frame, at its speed and frame "
+                    "rate",
+                    estimates_.path(truth_.number(frame)), *e.recorded_s, truth_.number(frame),
+                    truth_.time_s(frame))};
   }
 
   void collect_log_ratios(const Image<float>& truth, const Image<float>& estimate,

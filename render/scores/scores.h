@@ -68,7 +68,8 @@ struct ClipScores {
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for
-// a negative skip or where no pixel is well exposed in both; Interrupted.
+// a negative skip, a film's frame that shows another moment than its number says, or where no pixel is well
+// exposed in both; Interrupted.
 Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
                               const std::string& estimates_folder, const ScoreOptions& options);
 

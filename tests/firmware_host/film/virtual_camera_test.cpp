@@ -73,6 +73,7 @@ struct Shown {
   std::optional<FramePose> pose = {};
   FrameRecord record = {};
   float middle = 0;  // radiance there
+  std::optional<double> recorded_s = {};
 };
 
 std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> recorded) {
@@ -81,9 +82,10 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
   VirtualCamera camera(plan, std::nullopt, pool);
   std::vector<Shown> shown;
   const VirtualCamera::Show show = [&](HdrFrame& frame, const ExposedFrame&, const FrameRecord& record) {
-    Shown& one = shown.emplace_back(Shown{
-        frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose ? frame.pose->T_world_camera.t.x() : 0, 0,
-        frame.facts, frame.pose, record, frame.radiance.at(0, kRows / 2, frame.radiance.cols() / 2)});
+    Shown& one = shown.emplace_back(
+        Shown{frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose ? frame.pose->T_world_camera.t.x() : 0,
+              0, frame.facts, frame.pose, record, frame.radiance.at(0, kRows / 2, frame.radiance.cols() / 2),
+              frame.recorded_s});
     for (std::size_t i = 0; i < frame.provenance.size(); ++i)
       if (frame.provenance.samples()[i] == static_cast<std::uint8_t>(Provenance::Field))
         one.hole = std::max(one.hole, frame.radiance.samples()[i]);
@@ -156,6 +158,8 @@ TEST_CASE("a moment of a film counts from the recording's first frame, also wher
   REQUIRE(shown.size() == 2);
   CHECK(shown[0].radiance == 5);
   CHECK(shown[1].radiance == 10);
+  CHECK(shown[0].recorded_s == 0.5);
+  CHECK(shown[1].recorded_s == 0.75);
 }
 
 TEST_CASE("pictures that are exposed anew are stated with their exposure, not with a recorded frame's",

@@ -99,6 +99,23 @@ TEST_CASE("a file states the pose of its one camera, and none where two eyes see
   CHECK_FALSE(stereo.value().attributes.texts.contains("hdrcam.poseSource"));
 }
 
+TEST_CASE("a film's frame states the moment of the recording that it shows, and a recorded frame none") {
+  const std::string folder = scratch_folder("exr-moment");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {});
+  REQUIRE(sink.ok());
+  REQUIRE(emit(*sink.value(), example_frame(1)).ok());
+  HdrFrame frame = example_frame(2);
+  frame.recorded_s = 0.25;
+  REQUIRE(emit(*sink.value(), frame).ok());
+  const auto texts_of = [&](const char* file) {
+    const auto read = read_exr(posix_storage(), folder + file);
+    REQUIRE(read.ok());
+    return read.value().attributes.texts;
+  };
+  CHECK_FALSE(texts_of("/0001.exr").contains(kExrRecordedSeconds));
+  CHECK(texts_of("/0002.exr").at("hdrcam.secondsInRecording") == "0.250000000");
+}
+
 TEST_CASE("the layers that were asked for are in the file, and no others") {
   const std::string folder = scratch_folder("exr-layers");
   const ExrLayers all{.depth = true,

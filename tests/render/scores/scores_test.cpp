@@ -56,6 +56,18 @@ void write_with_a_nan(const std::string& path, const Image<float>& rgb) {
   REQUIRE(write_whole(posix_storage(), path, bytes).ok());
 }
 
+// Makes an estimate a film's frame, which shows this moment of the recording.
+void write_as_filmed(const std::string& path, double recorded_s) {
+  const ExrImage image = read_exr(posix_storage(), path).value();
+  ExrPicture picture{image.samples.rows(), image.samples.cols(), {}, {}, ExrCompression::Zip};
+  for (std::size_t c = 0; c < image.names.size(); ++c)
+    picture.channels.push_back({image.names[c],
+                                {image.samples.plane(static_cast<int>(c)), image.samples.plane_size()},
+                                ExrSample::Float});
+  picture.attributes.texts[kExrRecordedSeconds] = fmt::format("{:.9f}", recorded_s);
+  REQUIRE(write_whole(posix_storage(), path, encode_exr(picture).value()).ok());
+}
+
 bool mentions(const Error& error, const std::string& word) {
   return error.message.find(word) != std::string::npos;
 }
@@ -208,6 +220,28 @@ TEST_CASE(
   const Error twice = error_of(clip.path(), clip / "out");
   CHECK(twice.code == ErrorCode::Invalid);
   CHECK(mentions(twice, "are both frame 2"));
+}
+
+TEST_CASE("a film is scored where its frames show the moments of the clip's, and refused where they do not") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const double recorded_db = scores_of(clip).mean.psnr_mu_db;
+  const auto film = [&](double speed, double off_s) {
+    for (int i = 0; i < kFrames; ++i)
+      write_as_filmed(clip / fmt::format("out/{:06d}.exr", i), i / 30.0 * speed + off_s);
+  };
+  for (const double off_s : {0.0, 0.4 / 30, -0.4 / 30}) {
+    film(1, off_s);
+    CHECK(scores_of(clip).mean.psnr_mu_db == recorded_db);
+  }
+  film(0.25, 0);
+  const Error slow = error_of(clip.path(), clip / "out");
+  CHECK(slow.code == ErrorCode::Invalid);
+  CHECK(mentions(slow,
+                 "000001.exr' is a film's frame that shows the recording at 0.008 s, and frame 1 of the "
+                 "clip is at 0.033 s"));
+  film(1, 0.2);
+  CHECK(mentions(error_of(clip.path(), clip / "out"), "000001.exr' is a film's frame"));
 }
 
 TEST_CASE("the flow of the field is scored everywhere, and on what moves in the world") {
