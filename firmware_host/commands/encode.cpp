@@ -254,21 +254,22 @@ Result<void> check_flags(const EncodeFlags& flags, const Settings& settings, con
 // The video, which begins with the first file. Thread-bound.
 class EncodedFiles {
  public:
-  // first: the number of the first file.
-  EncodedFiles(const Settings& settings, WhiteOrigin white, std::string output, std::uint64_t first,
+  EncodedFiles(const Settings& settings, WhiteOrigin white, std::string output, NumberedFile first,
                Storage& storage)
       : video_(settings.video),
         framerate_hz_(settings.camera.framerate_hz),
         white_(white),
         output_(std::move(output)),
-        first_(first),
+        first_(std::move(first)),
         storage_(storage) {}
 
   Result<void> add(const NumberedFile& file) {
     const ExrImage image = TRY(read_exr(storage_, file.path));
     if (!sink_) TRY(begin(image, file));
+    TRY(check_size(image, file));
     warn_of_white(image, file);
-    const HdrFrame frame = TRY(frame_of(image, file, first_, video_.white_nits, camera_.framerate_hz));
+    const HdrFrame frame =
+        TRY(frame_of(image, file, first_.sequence, video_.white_nits, camera_.framerate_hz));
     return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
   }
   // Whether the files have times and a rate, and another one was asked for.
@@ -283,12 +284,23 @@ class EncodedFiles {
  private:
   Result<void> begin(const ExrImage& image, const NumberedFile& file) {
     warn_of_primaries(image, file);
+    camera_.height = image.samples.rows(), camera_.width = image.samples.cols();
     camera_.framerate_hz = TRY(framerate_of(image, file, framerate_hz_));
     stated_white_ = image.attributes.white_cd_m2;
     if (white_ == WhiteOrigin::Files) video_.white_nits = TRY(white_nits_of(image, file, video_));
     sink_ = TRY(open_sink(sink_name::kFrames,
                           {.path = output_, .camera = camera_, .video = video_, .storage = storage_}));
     return {};
+  }
+
+  // By name, where the sinks know numbers alone.
+  Result<void> check_size(const ExrImage& image, const NumberedFile& file) const {
+    if (image.samples.rows() == camera_.height && image.samples.cols() == camera_.width) return {};
+    return Error{
+        ErrorCode::SizeChanged,
+        fmt::format("'{}' has {}x{} pixels, and '{}', the first frame, {}x{}; give frames of one size",
+                    file.path, image.samples.cols(), image.samples.rows(), first_.path, camera_.width,
+                    camera_.height)};
   }
 
   // One scale for the whole video.
@@ -305,7 +317,7 @@ class EncodedFiles {
   const double framerate_hz_;
   const WhiteOrigin white_;
   const std::string output_;
-  const std::uint64_t first_;
+  const NumberedFile first_;
   Storage& storage_;
   CameraFacts camera_;
   std::optional<double> stated_white_;  // by the first file, cd/m2
@@ -331,7 +343,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   TRY(check_one_take(around.storage, files, around.stop));
 
   EncodedFiles video(settings, white_origin_of(*flags.settings, settings.video, output), output,
-                     files.front().sequence, around.storage);
+                     files.front(), around.storage);
   Progress progress(stderr, static_cast<int>(files.size()));
   Result<void> encoded;
   std::size_t frames = 0;  // in the video

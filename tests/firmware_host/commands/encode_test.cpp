@@ -175,6 +175,16 @@ TEST_CASE("a frame of another size ends a pipe before it, as nothing in bare rad
   }
 }
 
+TEST_CASE("a frame of another size is named with the first one, both with their sizes") {
+  const std::string out = sample::scratch_folder("encode_named_sizes");
+  write_grey(out + "/000007.exr", Image<float>(1, 48, 64));
+  write_grey(out + "/000009.exr", Image<float>(1, 32, 64));
+  const RanHere refused = ran_here({"encode", out + "/%06d.exr", "-o", out + "/x.mp4"});
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::SizeChanged));
+  CHECK_THAT(refused.err, Contains("'" + out + "/000009.exr' has 64x32 pixels, and '" + out +
+                                   "/000007.exr', the first frame, 64x48; give frames of one size"));
+}
+
 TEST_CASE("a frame rate that cannot be is refused, naming the file and --framerate, which overrules it") {
   const std::string out = sample::scratch_folder("encode_framerate"), frames = out + "/%06d.exr";
   const double framerate_hz = GENERATE(0.0, -30.0, 5000.0, std::numeric_limits<double>::quiet_NaN());
