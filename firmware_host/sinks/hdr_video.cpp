@@ -32,32 +32,21 @@ ChromaSite chroma_site_of(VideoTransfer transfer) {
   return transfer == VideoTransfer::Sdr ? ChromaSite::Left : ChromaSite::TopLeft;
 }
 
-VideoCodec codec_of(const VideoOptions& options) {
-  switch (options.codec) {
-    case CodecChoice::Hevc:
-      return VideoCodec::Hevc;
-    case CodecChoice::Av1:
-      return VideoCodec::Av1;
-    case CodecChoice::H264:
-      return VideoCodec::H264;
-    case CodecChoice::Suitable:
-      break;
-  }
-  return options.transfer == VideoTransfer::Sdr ? VideoCodec::H264 : VideoCodec::Hevc;
-}
+// What --codec takes besides auto.
+struct NamedCodec {
+  CodecChoice choice;
+  VideoCodec codec;
+  const char* word;
+};
+constexpr NamedCodec kCodecs[] = {{CodecChoice::Hevc, VideoCodec::Hevc, "hevc"},
+                                  {CodecChoice::Av1, VideoCodec::Av1, "av1"},
+                                  {CodecChoice::H264, VideoCodec::H264, "h264"}};
 
-// As --codec takes it.
-const char* word_of(VideoCodec codec) {
-  switch (codec) {
-    case VideoCodec::Av1:
-      return "av1";
-    case VideoCodec::H264:
-      return "h264";
-    case VideoCodec::Hevc:
-    case VideoCodec::Uncompressed:
-      break;
-  }
-  return "hevc";
+const NamedCodec& codec_of(const VideoOptions& options) {
+  CodecChoice choice = options.codec;
+  if (choice == CodecChoice::Suitable)
+    choice = options.transfer == VideoTransfer::Sdr ? CodecChoice::H264 : CodecChoice::Hevc;
+  return *std::ranges::find(kCodecs, choice, &NamedCodec::choice);
 }
 
 // What the frames hold.
@@ -179,7 +168,7 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
                              path)};
   TRY(make_folder_of(storage, path));
   VideoTarget target = TRY(VideoTarget::at(storage, path));
-  VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options), .container = *container};
+  VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options).codec, .container = *container};
   format.bits = format.codec == VideoCodec::H264 ? 8 : 10;
   return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(std::move(target), format, options, holds));
 }
@@ -206,17 +195,17 @@ Result<void> check_video(const VideoOptions& options) {
 }
 
 Result<void> check_rate_factor(const VideoOptions& options) {
-  const VideoCodec codec = codec_of(options);
-  const int most = greatest_crf(codec), most_of_av1 = greatest_crf(VideoCodec::Av1);
+  const NamedCodec& named = codec_of(options);
+  const int most = greatest_crf(named.codec), most_of_av1 = greatest_crf(VideoCodec::Av1);
   if (options.crf <= most) return {};
   return Error{ErrorCode::Invalid,
                fmt::format("--crf {} is beyond what {} takes, 0 to {}; give less, or --codec av1, which "
                            "takes up to {}",
-                           options.crf, word_of(codec), most, most_of_av1)};
+                           options.crf, named.word, most, most_of_av1)};
 }
 
 Result<void> check_video_size(const VideoOptions& options, int width_px, int height_px) {
-  return check_picture_size({.width_px = width_px, .height_px = height_px, .codec = codec_of(options)});
+  return check_picture_size({.width_px = width_px, .height_px = height_px, .codec = codec_of(options).codec});
 }
 
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
