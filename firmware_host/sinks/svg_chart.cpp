@@ -7,6 +7,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
+
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -158,7 +161,7 @@ std::string closed(const Chart& chart) { return "</svg>" + legend(chart) + "</fi
 
 std::string escaped(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : as_utf8<nlohmann::json>(text)) {
     switch (c) {
       case '&':
         safe += "&amp;";

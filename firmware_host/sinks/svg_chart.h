@@ -10,7 +10,8 @@
 
 namespace hdrcam {
 
-// Text as HTML or SVG content or attribute value.
+// Text as HTML or SVG content or attribute value. Names of files need not be UTF-8, a page is: other bytes
+// become U+FFFD.
 std::string escaped(std::string_view text);
 
 struct ChartSeries {

@@ -1,6 +1,6 @@
 // JSON as text, whatever the strings in it: names of files and cameras come from outside and need not be
-// UTF-8; bytes that are not become U+FFFD. And JSON of others, read within the stack that a thread has.
-// Reentrant.
+// UTF-8; bytes that are not become U+FFFD. The same of text alone. And JSON of others, read within the stack
+// that a thread has. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -84,6 +84,12 @@ inline std::string json_reason(const std::exception& e) {
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// The text as json_text() shows it to whoever reads the JSON: UTF-8 in any case. Json: as above.
+template <class Json>
+std::string as_utf8(std::string_view text) {
+  return Json::parse(json_text(Json(std::string(text)))).template get<std::string>();
 }
 
 }  // namespace hdrcam

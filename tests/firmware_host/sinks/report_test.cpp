@@ -86,6 +86,15 @@ TEST_CASE("text of the user is escaped") {
   CHECK(escaped("a\"b'c") == "a&quot;b&#39;c");
 }
 
+TEST_CASE("a name that is not UTF-8 is shown with a mark in its place, so that the page is UTF-8") {
+  RunRecord record = test::example_run(2);
+  record.title = "caf\xe9.mkv";
+  const std::string html = report_html(record, {});
+  CHECK_THAT(html, Contains("caf\ufffd.mkv") && !Contains("\xe9"));
+  CHECK(escaped("café <ü>") == "café &lt;ü&gt;");
+  CHECK(escaped("a\nb\t\\\"") == "a\nb\t\\&quot;");
+}
+
 TEST_CASE("frames that do not add up are shown in red") {
   RunRecord record = test::example_run(8);
   record.captured = 10, record.dropped = 1;
