@@ -83,6 +83,7 @@ Result<void> make_room_for_takes(const Settings::Output& output, Storage& storag
   if (output.http_takes.empty() || output.path(sink_name::kHttp).empty()) return {};
   const FramePattern names = TRY(FramePattern::parse("--http-record", output.http_takes, ".mkv"));
   const NamedOutput first{"--http-record", names.path(1), OutputKind::Recording};
+  TRY(check_outputs(storage, {}, std::span(&first, 1), Overwrite::Force));  // a take never replaces a file
   return make_room_for(storage, std::span(&first, 1));
 }
 

@@ -109,6 +109,23 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   return place;
 }
 
+// The time of the start has replaced {start}: any other word in braces is a misspelt one, but in the name of
+// what is there already.
+Result<void> check_words(Storage& storage, const NamedOutput& output) {
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
+  const std::string& path = output.path;
+  for (std::size_t open = path.find('{'); open != std::string::npos; open = path.find('{', open + 1)) {
+    const std::size_t close = path.find_first_not_of(kLetters, open + 1);
+    if (close == std::string::npos || close == open + 1 || path[close] != '}') continue;
+    if (TRY(storage.look_at(path.substr(0, path.find('/', close)))).kind != FileKind::Missing) continue;
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} '{}' has {} in its name, which stands for nothing; write {{start}} for the "
+                             "time at which the run starts",
+                             output.flag, path, path.substr(open, close + 1 - open))};
+  }
+  return {};
+}
+
 // Its name ends in three digits or more, as the names of frames and of a camera's pictures do.
 bool is_numbered(const std::string& path) {
   constexpr std::size_t kFewestDigits = 3;
@@ -204,6 +221,7 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
   for (const NamedInput& input : inputs) taken.push_back(TRY(place_of(storage, input)));
   for (const NamedOutput& output : outputs) {
     if (output.path.empty()) continue;
+    TRY(check_words(storage, output));
     Place place = TRY(place_of(storage, output));
     for (const Place& other : taken)
       if (meet(place, other))

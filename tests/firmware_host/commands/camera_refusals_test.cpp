@@ -156,6 +156,19 @@ TEST_CASE("white, peak and transfer are refused where no output has them") {
   require_success(with({"-o", folder + "/z.mp4", "--transfer", "sdr", "--config", file}));
 }
 
+TEST_CASE(
+    "a misspelt {start} is refused before a camera is opened, also in recordings that the page starts") {
+  const std::string folder = sample::scratch_folder("misspelt_start");
+  const std::vector<std::string> live{"live", "--camera", "sim:nowhere", "--http", "127.0.0.1:0"};
+  for (const auto& [flag, name] :
+       {std::pair("--http-record", "/takes-{strat}/%03d.mkv"), {"--record", "/{strat}.mkv"}}) {
+    std::vector<std::string> words = live;
+    words.insert(words.end(), {flag, folder + name});
+    check_refused(words, ErrorCode::Invalid, "has {strat} in its name, which stands for nothing");
+  }
+  CHECK(std::filesystem::is_empty(folder));
+}
+
 TEST_CASE("recordings that the live page starts are refused as a flag of a replay, and ignored in a file") {
   const std::string folder = sample::scratch_folder("ignored_takes"), walk = folder + "/walk.mkv",
                     file = folder + "/rig.toml", takes = folder + "/takes/%03d.mkv",

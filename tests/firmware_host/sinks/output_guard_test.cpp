@@ -199,6 +199,27 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
   CHECK_FALSE(fs::exists(desk.folder + "/o"));
 }
 
+TEST_CASE("a misspelt {start} is refused, and braces in the name of what is there already are not") {
+  const Desk desk("guard_words");
+  const auto refused = [&](const NamedOutput& output, const std::string& word) {
+    INFO(output.path);
+    const Result<void> checked = desk.check({output}, Overwrite::Force);
+    require_error(checked, ErrorCode::Invalid);
+    CHECK(checked.error().message == output.flag + " '" + desk.folder + "/" + output.path + "' has " + word +
+                                         " in its name, which stands for nothing; write {start} for the time "
+                                         "at which the run starts");
+  };
+  refused({"--output", "o-{strat}/%06d.exr", OutputKind::Frames, ".exr"}, "{strat}");
+  refused({"--record", "take-{Start}.mkv", OutputKind::Recording}, "{Start}");
+  refused({"--stats", "o{/{start_time}.json"}, "{start_time}");
+  CHECK_FALSE(fs::exists(desk.folder + "/o-{strat}"));
+  desk.put("{walk}/notes.txt");
+  require_done(desk.check({{"--output", "{walk}/%06d.exr", OutputKind::Frames, ".exr"},
+                           {"--stats", "{walk}/new/stats.json"},
+                           {"--report", "{}/{1}/a{b,c}.html"}}));
+  refused({"--stats", "{walk}/{strat}.json"}, "{strat}");
+}
+
 TEST_CASE("an output of one file has no frame number in its name, nor in that of its folder") {
   const Desk desk("guard_number");
   for (const NamedOutput& output :
