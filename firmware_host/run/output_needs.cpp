@@ -120,6 +120,16 @@ OutputNeeds needs_of(const Settings::Output& output) {
   return needs;
 }
 
+std::string note_on_motion(const Settings& settings, const CameraFacts& camera) {
+  constexpr int kFitToNext = 2;  // later frames, until the field was fitted to the next one
+  const Settings::Output& output = settings.output;
+  if (!output.layers.field_flow_forward && !is_written(output, sink_name::kFieldFlowForward)) return "";
+  const Knobs knobs = options_of(settings, FieldUse::Fills).knobs;
+  if (look_ahead_of(knobs, camera.height, camera.width) >= kFitToNext) return "";
+  return "the field's motion to the next frame is a guess, as frames leave before the field is fitted to the "
+         "next one; give --lookahead 2";
+}
+
 std::string motion_output(const Settings::Output& output) {
   return first_asked(output, &MotionOrDepth::is_motion);
 }

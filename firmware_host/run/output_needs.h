@@ -27,6 +27,10 @@ struct OutputNeeds {
 };
 OutputNeeds needs_of(const Settings::Output& output);
 
+// What to say of motion that is asked for, and that the run does not wait long enough for to know; "" for
+// nothing.
+std::string note_on_motion(const Settings& settings, const CameraFacts& camera);
+
 // The first output with motion, as it was asked for: "--flow-forward" or "--layers flow"; "" for none.
 std::string motion_output(const Settings::Output& output);
 

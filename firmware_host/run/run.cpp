@@ -303,6 +303,8 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
   TRY(check_readout(plan.settings.fit, source.camera()));
   const std::optional<ChannelGains> white_balance =
       TRY(white_balance_of(plan.settings.output, source.camera()));
+  if (const std::string note = note_on_motion(plan.settings, source.camera()); !note.empty())
+    remark("note: {}\n", note);
   Run run(plan, white_balance, source, storage, progress);
   return run.to_end(told);
 }

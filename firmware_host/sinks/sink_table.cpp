@@ -79,7 +79,8 @@ constexpr SinkKind kSinkKinds[] = {
      },
      ".flo"},
     {sink_name::kFieldFlowForward, "--field-flow-forward",
-     "the field's motion to the next frame: field/%06d.flo", SinkPace::Complete, SinkTarget::Files,
+     "the field's motion to the next frame, a guess below --lookahead 2: field/%06d.flo", SinkPace::Complete,
+     SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-forward", request.path,
                                 &HdrFrame::field_flow_forward);

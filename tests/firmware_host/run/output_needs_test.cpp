@@ -125,6 +125,30 @@ TEST_CASE("motion to the next frame is refused where the run does not wait for i
         "look_ahead=1");
 }
 
+TEST_CASE("the field's motion to the next frame is told to be a guess where the field is not fitted to it") {
+  const auto noted = [](const Settings& settings, int width) {
+    CameraFacts camera;
+    camera.width = width, camera.height = width * 3 / 4;
+    return !note_on_motion(settings, camera).empty();
+  };
+  Settings none, file, layer;
+  none.output.paths = {{"flow_forward", "flow/%06d.flo"}, {"field_flow_backward", "back/%06d.flo"}};
+  file.output.paths["field_flow_forward"] = "field/%06d.flo";
+  layer.output.layers.field_flow_forward = true;
+  for (const char* frames : {"-1", "0", "1", "2"}) {
+    INFO(frames);
+    for (Settings* settings : {&none, &file, &layer}) settings->fit.knobs = {{"look_ahead", frames}};
+    const bool knows = frames == std::string("2");
+    CHECK_FALSE(noted(none, 1280));
+    CHECK(noted(file, 1280) == !knows);
+    CHECK(noted(layer, 1280) == !knows);
+  }
+  file.fit.knobs = {{"look_ahead", "-1"}};
+  CHECK_FALSE(noted(file, 640));  // small pictures wait for two frames
+  file.fit.knobs.clear(), file.fit.preset = Preset::Fast;
+  CHECK(noted(file, 640));
+}
+
 TEST_CASE("motion is found among the layers and among the outputs of its own") {
   Settings::Output output;
   output.paths["frames"] = "out/%06d.exr";
