@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "capture/exposure_schedule.h"
 #include "firmware_host/commands/command.h"
@@ -17,6 +18,7 @@
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/simulation/clip_timeline.h"
 #include "firmware_host/simulation/truth_clip.h"
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
@@ -77,11 +79,19 @@ std::vector<NamedOutput> outputs_of(const SimulateFlags& flags) {
 struct Outputs {
   std::unique_ptr<RecordingWriter> recording;
   std::unique_ptr<TruthClip> clip;
+  std::vector<EarlierFrames> earlier;  // where those of the clip go
 };
+
+std::vector<EarlierFrames> earlier_frames_of(const SimulateFlags& flags, Storage& storage) {
+  std::vector<EarlierFrames> earlier;
+  for (const NamedOutput& output : outputs_of(flags))
+    if (output.kind == OutputKind::Frames) earlier.emplace_back(storage, output.path);
+  return earlier;
+}
 
 Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, const SimulatedSensor& sensor,
                              RecordingCodec codec, WorkerPool& pool) {
-  Outputs outputs;
+  Outputs outputs{.recording = {}, .clip = {}, .earlier = earlier_frames_of(flags, around.storage)};
   if (!flags.truth.empty())
     outputs.clip = TRY(TruthClip::create(around.storage, flags.truth, sensor, flags.scene, pool));
   // last, so that a refused run never empties an earlier recording
@@ -106,6 +116,8 @@ Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, i
   }
   if (outputs.clip) {
     TRY(outputs.clip->finish());
+    for (const EarlierFrames& earlier : outputs.earlier)
+      if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
     say("{}: a clip of {} with ground truth\n", flags.truth, counted(frames, "image"));
   }
   return {};

@@ -91,6 +91,23 @@ TEST_CASE("a clip with truth is one that compare reads, and its truth is perfect
   CHECK(value_of(ImageSequence::open(posix_storage(), folder + "/clip")).frame_count() == 6);
 }
 
+TEST_CASE("a clip with truth says which frames of an earlier, longer one remain beside its own") {
+  const std::string folder = sample::scratch_folder("simulate_older");
+  const auto simulated = [&](int frames) {
+    const Ran run =
+        run_simulate(fmt::format("'still?size=32x24' --truth {} --frames {} --force", folder, frames));
+    INFO(run.output);
+    CHECK(run.exit_code == 0);
+    return run.output;
+  };
+  CHECK_THAT(simulated(4), !Catch::Contains("earlier run"));
+  const std::string shorter = simulated(2);
+  for (const char* frames : {"/ldr/%04d.png", "/gt/hdr/%04d.exr", "/gt/depth/%04d.exr"})
+    CHECK_THAT(shorter, Catch::Contains("before '" + folder + frames + "' is read as one clip"));
+  CHECK_THAT(shorter, Catch::Contains("warning: 2 files of an earlier run remain beside the new ones"));
+  CHECK_THAT(simulated(4), !Catch::Contains("earlier run"));
+}
+
 TEST_CASE("the truth names what pictures have and the true radiance leaves out") {
   const std::string folder = sample::scratch_folder("simulate_left_out");
   const auto left_out = [&](const std::string& scene) {
