@@ -15,4 +15,10 @@ Error cut_recording(Error error, const std::string& path, std::uint64_t frames) 
   return error;
 }
 
+Error read_to_cut(Error error, const std::string& path) {
+  error.message +=
+      fmt::format("; 'hdrcam repair {} -o FILE' makes a complete recording of them", shell_word(path));
+  return error;
+}
+
 }  // namespace hdrcam

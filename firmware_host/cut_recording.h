@@ -1,4 +1,4 @@
-// What makes a whole recording of one whose end could not be written. Reentrant.
+// What makes a whole recording of one that was cut. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -11,5 +11,9 @@ namespace hdrcam {
 // The error that cut the recording at `path` after so many whole frames, with how they become a complete one;
 // as it is where there are none.
 Error cut_recording(Error error, const std::string& path, std::uint64_t frames);
+
+// The error of a reader that came to the cut of the recording at `path`, with how the frames before it become
+// a complete one.
+Error read_to_cut(Error error, const std::string& path);
 
 }  // namespace hdrcam

@@ -179,7 +179,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   tell_of_clip(*reader, written.count, earlier);
   say("{}: {}\n", options.folder, counted(written.count, "frame"));
   if (written.ended) return {};
-  return cut_recording(written.ended.error(), options.recording, static_cast<std::uint64_t>(written.count));
+  return read_to_cut(written.ended.error(), options.recording);
 }
 
 }  // namespace

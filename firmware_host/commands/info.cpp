@@ -5,6 +5,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
 #include "firmware_host/commands/snapshot_summary.h"
+#include "firmware_host/cut_recording.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
@@ -31,9 +32,7 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
   if (!summary.behind.empty()) remark("warning: {}\n", summary.behind);
   if (summary.end) {
     if (summary.end->code != ErrorCode::Truncated || summary.frames == 0) return *summary.end;
-    return Error{ErrorCode::Truncated,
-                 fmt::format("{}; 'hdrcam repair {} -o FILE' makes a complete recording of them",
-                             summary.end->message, shell_word(options.recording))};
+    return read_to_cut(*summary.end, options.recording);
   }
   const LeftOut& left_out = summary.left_out;
   const std::string damage = left_out.sentence();
