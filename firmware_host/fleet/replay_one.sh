@@ -35,6 +35,7 @@ mkdir -p "$folder"
 # Every job begins its log before its frames.
 [ -e "$folder/log" ] || [ -z "$(frames -print -quit)" ] ||
   ended 17 "in $folder are frames that no job of a fleet wrote; move them, or give another OUT"
+[ -e "$recording" ] || ended 3 "hdrcam: '$recording' does not exist." # its frames stay: the disk may be back tomorrow
 # An earlier job may have left more frames than this one will, and figures of its own.
 rm -f "$folder/job" "$folder/frames.csv" "$folder/stats.json"
 frames -delete

@@ -31,6 +31,7 @@ twice=$(uniq -d <<<"$names")
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
 list=$(grep -x -m 1 -e recordings -e flags <<<"$names" || true)
 [ -z "$list" ] || { echo "a recording is named $list, as is a list of the fleet in $out; rename it" >&2; exit 2; }
+"$hdrcam" replay --print-config "${flags[@]}" >/dev/null # what it refuses ends the fleet before a job deletes frames
 mkdir -p "$out"
 out=$(realpath "$out")
 printf '%s\n' "${recordings[@]}" >"$out/recordings"

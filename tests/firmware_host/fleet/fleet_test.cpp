@@ -18,6 +18,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Of a program in place of hdrcam: it takes all flags that a fleet asks it about.
+constexpr const char* kTakesFlags = "[ \"$2\" != --print-config ] || exit 0\n";
+
 // Two recordings, and programs that a fleet finds before those of the system.
 class Fleet {
  public:
@@ -25,10 +28,10 @@ class Fleet {
     fs::create_directories(place_ + "/bin");
     for (const char* recording : {"/a.mkv", "/b.mkv"}) std::ofstream(place_ + recording) << recording;
     // replay RECORDING -o FOLDER/%06d.exr --stats FILE --force FRAMES
-    program("hdrcam",
-            "[ \"$8\" != none ] || { echo 'hdrcam: there is no frame.' >&2; exit 9; }\n"
-            "for i in $(seq \"$8\"); do echo \"$8\" >\"${4%/*}/00000$i.exr\"; done\n"
-            "echo file >\"${4%/*}/frames.csv\"; echo '{}' >\"$6\"");
+    program("hdrcam", std::string(kTakesFlags) +
+                          "[ \"$8\" != none ] || { echo 'hdrcam: there is no frame.' >&2; exit 9; }\n"
+                          "for i in $(seq \"$8\"); do echo \"$8\" >\"${4%/*}/00000$i.exr\"; done\n"
+                          "echo file >\"${4%/*}/frames.csv\"; echo '{}' >\"$6\"");
     // -r --arg name NAME FILTER FILE
     program("jq", "cat \"$6\" >/dev/null && printf '%s\\t3\\t1\\t2\\n' \"$4\"");
   }
@@ -71,7 +74,7 @@ constexpr const char* kOfAnother = "not run; what is there is of another recordi
 
 TEST_CASE("a fleet passes on every flag of replay, also an empty value, and nothing where none is given") {
   const Fleet fleet("fleet_flags");
-  fleet.program("hdrcam", "echo \"$#\" >\"${4%/*}/words\"; echo '{}' >\"$6\"");
+  fleet.program("hdrcam", std::string(kTakesFlags) + "echo \"$#\" >\"${4%/*}/words\"; echo '{}' >\"$6\"");
   const auto words = [&] {
     std::ifstream file(fleet.out() + "/a/words");
     int count = 0;
@@ -107,6 +110,29 @@ TEST_CASE("a fleet does each recording once, and anew under other flags, without
   CHECK_THAT(failed.output, Contains("exit 9: hdrcam: there is no frame."));
   for (const char* file : {"a/000001.exr", "a/frames.csv", "a/stats.json"}) CHECK_FALSE(fleet.has(file));
   CHECK(fleet.has("a/mine.exr"));
+}
+
+TEST_CASE("flags that replay refuses end a fleet before a job deletes the frames of an earlier one") {
+  const Fleet fleet("fleet_refused_flags");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  fleet.program("hdrcam", "echo \"hdrcam: --preset takes fast or best, not 'fats'.\" >&2; exit 2");
+  const Ran refused = fleet.run("--plain", "3 --preset fats");
+  INFO(refused.output);
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.output, Contains("not 'fats'") && !Contains("ms/frame"));
+  CHECK(fleet.has("a/000003.exr"));
+}
+
+TEST_CASE("a recording that is gone leaves what an earlier job of a fleet made of it") {
+  const Fleet fleet("fleet_gone");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  fs::remove(fleet.out() + "/../a.mkv");
+  const Ran gone = fleet.run("--plain", "3");
+  INFO(gone.output);
+  CHECK(gone.exit_code == 1);
+  CHECK_THAT(gone.output, Contains("exit 3: hdrcam: '") && Contains("a.mkv' does not exist.") &&
+                              Contains("b.mkv: done earlier"));
+  for (const char* file : {"a/000003.exr", "a/stats.json"}) CHECK(fleet.has(file));
 }
 
 TEST_CASE("a fleet deletes no frames that none of its jobs wrote") {
