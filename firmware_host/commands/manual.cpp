@@ -6,6 +6,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/packaging/manual_pages.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/settings/start_time.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -15,6 +16,7 @@ void add_manual(CommandLine program, Verb& chosen) {
   CommandLine verb = program.add_verb("manual", "write the manual pages, for an installation");
   verb.add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
       .required()
+      .transform(named_at_start)
       .check(names_folder);
   verb.on_chosen([folder, program, &chosen] {
     chosen = [folder, program](Surroundings& around) -> Result<void> {

@@ -77,5 +77,6 @@ TEST_CASE("a file that a verb without settings of outputs writes has its start i
   done({"export", written("simulate-20"), "-o", folder + "/export-{start}"});
   done({"import", written("export-20"), "-o", folder + "/import-{start}.mkv"});
   done({"repair", written("simulate-20"), "-o", folder + "/repair-{start}.mkv"});
-  for (const char* file : {"truth-20", "import-20", "repair-20"}) CHECK(written(file) != "none");
+  done({"manual", "-o", folder + "/manual-{start}"});
+  for (const char* file : {"truth-20", "import-20", "repair-20", "manual-20"}) CHECK(written(file) != "none");
 }
