@@ -43,7 +43,7 @@ std::string named(const std::string& path) {
 }
 
 Error error_of(int code, const std::string& what, const std::string& path) {
-  const std::string reason = std::strerror(code);
+  const std::string reason = code == EBADF ? "it is closed" : std::strerror(code);
   switch (code) {
     case ENOENT:
       return {ErrorCode::NotFound, fmt::format("'{}' does not exist", path), code};
@@ -69,12 +69,11 @@ Error error_of(int code, const std::string& what, const std::string& path) {
               fmt::format("no space left to {} {}: {}; free some and run again", what, named(path), reason),
               code};
     case EFBIG:
-      return {
-          ErrorCode::NoSpace,
-          fmt::format("'{}' is as large as a file can be here (FAT: 4 GB); write several shorter ones, or to "
-                      "another file system",
-                      path),
-          code};
+      return {ErrorCode::NoSpace,
+              fmt::format("{} is as large as a file can be here (FAT: 4 GB, or 'ulimit -f'); write several "
+                          "shorter ones, to another file system, or raise that limit",
+                          named(path)),
+              code};
     default:
       return {ErrorCode::Io, fmt::format("cannot {} {}: {}", what, named(path), reason), code};
   }
