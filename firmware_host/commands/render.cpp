@@ -322,6 +322,7 @@ void add_render(CommandLine program, Verb& chosen) {
       "HDR frames, numbered from 0: out/%06d.exr; 8-bit pictures of --ldr: out/%06d.png; a video: out.mp4 "
       "(.mov, .mkv); or -, the standard output, without --ldr (\"\": none)";
   verb.flag("--output").describe(kOutput);
+  verb.flag("--layers").describe("more EXR channels (any of depth,confidence,provenance; \"\": none)");
   verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 

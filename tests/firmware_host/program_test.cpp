@@ -128,6 +128,12 @@ TEST_CASE("the help of render says how a film numbers its frames") {
   CHECK_THAT(ran_here({"replay", "--help"}).out, Contains("numbered by the sensor's sequence"));
 }
 
+TEST_CASE("the help of render names no motion among the channels, which it refuses") {
+  CHECK_THAT(ran_here({"render", "--help"}).out,
+             Contains("any of depth,confidence,provenance") && !Contains("flow"));
+  CHECK_THAT(ran_here({"replay", "--help"}).out, Contains("any of depth,flow,flow_forward"));
+}
+
 TEST_CASE("--version is one line") {
   const RanHere version = ran_here({"--version"});
   CHECK(version.exit_code == kExitOk);
