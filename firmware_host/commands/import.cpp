@@ -280,6 +280,21 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
   return files;
 }
 
+// Not a folder, nor a pattern of numbered files, as encode and other programs take it.
+Result<void> check_named_one_by_one(Storage& storage, const std::string& file) {
+  const FileKind kind = TRY(storage.look_at(file)).kind;
+  if (kind == FileKind::Folder)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
+                             "files",
+                             file)};
+  if (kind != FileKind::Missing || file.find('%') == std::string::npos) return {};
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  return Error{ErrorCode::NotFound,
+               fmt::format("'{}' does not exist; name the files one by one, or their folder, '{}'", file,
+                           folder.empty() ? "." : folder)};
+}
+
 // With the files in the one folder that is named, or the files that are.
 Result<FootageRequest> with_files(Storage& storage, FootageRequest request) {
   if (request.files.size() == 1 && TRY(is_folder(storage, request.files.front()))) {
@@ -288,11 +303,7 @@ Result<FootageRequest> with_files(Storage& storage, FootageRequest request) {
     return request;
   }
   for (const std::string& file : request.files) {
-    if (TRY(is_folder(storage, file)))
-      return Error{ErrorCode::Invalid,
-                   fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
-                               "files",
-                               file)};
+    TRY(check_named_one_by_one(storage, file));
     TRY(check_no_snapshot(storage, file));
     const AsRecording recording = as_recording(storage, file);
     if (recording.damaged)

@@ -408,6 +408,17 @@ TEST_CASE("where pictures contradict exposures after a pause, another scene may 
   }
 }
 
+TEST_CASE("a pattern of numbered pictures, which import does not take, is refused with their folder") {
+  const std::string folder = write_bracket("import_pattern");
+  const auto pattern = import_verb(folder + "/IMG_%d.JPG --list");
+  CHECK(sample::error_of(pattern).code == ErrorCode::NotFound);
+  CHECK(sample::error_of(pattern).message ==
+        fmt::format("'{0}/IMG_%d.JPG' does not exist; name the files one by one, or their folder, '{0}'",
+                    folder));
+  CHECK(sample::error_of(import_verb("IMG_%04d.JPG --list")).message.ends_with("or their folder, '.'"));
+  CHECK_THAT(sample::error_of(import_verb(folder + "/nope.JPG --list")).message, !Contains("folder,"));
+}
+
 TEST_CASE("pictures and videos of one folder do not make one clip") {
   const std::string folder = write_bracket("import_mixed");
   REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 3, {}))).ok());
