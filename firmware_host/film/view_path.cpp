@@ -18,7 +18,7 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kMostLength = 1e6;      // of any unit; beyond it a digit too many was typed
+constexpr double kMostLength = 1e6;      // of any unit, s too; beyond it a digit too many was typed
 constexpr double kMostAngle_deg = 3600;  // ten turns
 constexpr std::size_t kMostPoses = 100000;
 constexpr std::string_view kAroundCells = " \t\r\n\"";
@@ -67,7 +67,7 @@ Result<void> check(const std::string& where, const Row& row) {
     if (std::abs(row[i]) <= most && (i != kTime || row[i] >= 0)) continue;
     return Error{ErrorCode::Invalid,
                  fmt::format("{}: {} cannot be {:g}; it is {}", where, kColumns[i], row[i],
-                             i == kTime        ? "a time from 0 on, in seconds"
+                             i == kTime        ? "a time from 0 to 1000000 s"
                              : i < kFirstAngle ? "a length of the scene up to 1000000"
                                                : "an angle in degrees up to ten turns")};
   }

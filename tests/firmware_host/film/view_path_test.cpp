@@ -114,7 +114,9 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK_THAT(read("l.json", "[{\"time_s\": 0}, {\"dx\": 1}]"), Contains("l.json, pose 1: has no time_s"));
   CHECK_THAT(read("n.json", "[{\"time_s\": 0}, {\"time_s\": 1, \"dx\": 1, \"dx\": 1}]"),
              Contains("n.json: a pose names dx twice"));
-  CHECK_THAT(read("h.csv", "time_s,dx\n-1,1\n"), Contains("a time from 0 on"));
+  for (const char* time_s : {"-1", "2e6"})
+    CHECK_THAT(read("h.csv", fmt::format("time_s,dx\n{},1\n", time_s).c_str()),
+               Contains("a time from 0 to 1000000 s"));
   CHECK_THAT(read("i.csv", "time_s;dx\n0;0,1\n"), Contains("i.csv:1: the values are separated by ';'"));
   const std::string bytes("\x1a\x45\xdf\xa3\0\0,\x01", 8);
   CHECK_THAT(refusal(ViewPath::read_path(posix_storage(), file_with("j.mkv", bytes))),
