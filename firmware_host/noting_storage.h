@@ -2,12 +2,13 @@
 // folders it made, so that a run that failed leaves no empty ones. Thread-safe, as the storage behind it.
 #pragma once
 
+#include <unistd.h>
+
 #include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "hal/forwarding_storage.h"
@@ -35,12 +36,11 @@ class NotingStorage final : public ForwardingStorage {
     return ForwardingStorage::make_directories(path);
   }
 
-  // Of those that it made.
+  // Of those that it made. A folder that holds something stays, and so does what is no folder: a link to one
+  // that is not there, as on a disk that is not mounted, could not become one.
   void remove_empty_folders() {
     const std::lock_guard lock(mutex_);
-    std::error_code in_use;  // a folder that holds something stays
-    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
-      std::filesystem::remove(*folder, in_use);
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) (void)::rmdir(folder->c_str());
     made_.clear();
   }
 

@@ -219,6 +219,16 @@ TEST_CASE("a run that is refused leaves no folder of its outputs") {
   CHECK_FALSE(fs::exists(out));
 }
 
+TEST_CASE("a run that fails leaves a link to a folder that is not there, as on a disk that is not mounted") {
+  const std::string folder = sample::scratch_folder("kept_link"), link = folder + "/out";
+  fs::create_directory_symlink(folder + "/disk/out", link);
+  for (const std::string& frames : {link + "/%06d.exr", link + "/today/%06d.exr"}) {
+    INFO(frames);
+    CHECK(ran_here(joined({"replay", kDemo, "-o", frames}, kQuick)).exit_code != 0);
+    CHECK(fs::is_symlink(link));
+  }
+}
+
 TEST_CASE("a run that is refused leaves the earlier recording, even with --force, and makes none") {
   const std::string folder = sample::scratch_folder("kept_takes"), take = folder + "/take.mkv",
                     none = folder + "/none.mkv", wide = folder + "/wide.mkv";
