@@ -63,6 +63,7 @@ class PoseFile : public FrameSink {
         clip_.points.insert(clip_.points.end(), points.begin(), points.end());
     // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
     keep_pictures([&](const PosedPicture& picture) { return was_written(picture.path); });
+    if (clip_.pictures.empty()) return {};  // that they failed, or were all shed, is told of the pictures
     leave_out_other_worlds();
     return write(storage_, clip_, pictures_.folder());
   }

@@ -145,6 +145,23 @@ TEST_CASE("a new pose is not that of an earlier run's picture, where the run she
   CHECK(test::read_colmap(folder + "/colmap").images.size() == 2);
 }
 
+TEST_CASE("poses of a run that left none of its pictures replace no earlier ones") {
+  const std::string folder = sample::scratch_folder("pose_files_no_picture");
+  const PicturePatterns patterns{folder + "/%04d.png", ""};
+  const std::string earlier = "an earlier model", model = folder + "/colmap",
+                    poses = folder + "/transforms.json", images = model + "/images.txt";
+  auto transforms = create_transforms(posix_storage(), poses, patterns);
+  auto colmap = create_colmap(posix_storage(), model, patterns);
+  REQUIRE((transforms.ok() && colmap.ok()));
+  for (const std::string& file : {poses, images})
+    REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(earlier))).ok());
+  for (FrameSink* sink : {transforms.value().get(), colmap.value().get()}) {
+    REQUIRE(test::emit(*sink, posed_frame(0)).ok());
+    CHECK((sink->finish().ok() && sink->conclude({}).ok()));
+  }
+  for (const std::string& file : {poses, images}) CHECK(read_whole(posix_storage(), file).value() == earlier);
+}
+
 TEST_CASE("a model has the poses of one world, of that with most pictures, and of equals the newest") {
   const struct { std::size_t ended, newest, kept; } runs[] = {{2, 3, 1}, {3, 2, 0}, {2, 2, 1}};
   for (const auto& run : runs) {
