@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/version.h"
 #include "hal/core/parse_number.h"
+#include "hal/core/sound_facts.h"
 
 namespace hdrcam {
 namespace {
@@ -21,11 +23,11 @@ namespace {
 constexpr const char* kSinceStart = "hdrcam.secondsSinceStart";
 constexpr const char* kWhite = "hdrcam.white";
 
-std::optional<double> number(const std::map<std::string, std::string>& texts, const char* name) {
+std::optional<double> number(const std::map<std::string, std::string>& texts, const char* name, double most) {
   const auto text = texts.find(name);
   if (text == texts.end()) return std::nullopt;
   const auto value = parse_number<double>(text->second);
-  return value && *value >= 0 ? value : std::nullopt;
+  return value && is_within(*value, 0, most) ? value : std::nullopt;
 }
 
 // What the samples of each layer are, for whoever opens a file without our documentation.
@@ -184,7 +186,8 @@ class ExrSequence : public FrameSink {
 }  // namespace
 
 RunFacts run_facts_of(const ExrAttributes& attributes) {
-  return {number(attributes.texts, kSinceStart), number(attributes.texts, kWhite)};
+  return {number(attributes.texts, kSinceStart, kLatest_s),
+          number(attributes.texts, kWhite, std::numeric_limits<float>::max())};
 }
 
 Result<std::vector<std::byte>> encode_frame(const HdrFrame& frame, const ExrSequenceOptions& options,

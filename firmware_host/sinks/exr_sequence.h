@@ -42,7 +42,8 @@ struct ExrSequenceOptions {
   std::string owner = {};  // written where not empty
 };
 
-// What a file says of its place in the run, for whoever makes a video of the files.
+// What a file says of its place in the run, for whoever makes a video of the files. Each is none where
+// the file states none, or an impossible one.
 struct RunFacts {
   std::optional<double> since_start_s;  // from the first frame of the run to this one
   std::optional<double> white;          // radiance that saturates the shortest exposure

@@ -224,6 +224,22 @@ TEST_CASE("of two runs that begin together with the same names of frames the lat
   REQUIRE(emit(*first, example_frame(42)).ok());
 }
 
+TEST_CASE("what a file states of its place in the run counts only where it can be") {
+  const auto stated = [](const char* text) {
+    ExrAttributes attributes;
+    attributes.texts = {{"hdrcam.secondsSinceStart", text}, {"hdrcam.white", text}};
+    return run_facts_of(attributes);
+  };
+  CHECK(stated("2.5").since_start_s == 2.5);
+  CHECK(stated("2.5").white == 2.5);
+  for (const char* text : {"-1", "1e300", "nan", "soon"}) {
+    INFO(text);
+    CHECK_FALSE(stated(text).since_start_s.has_value());
+    CHECK_FALSE(stated(text).white.has_value());
+  }
+  CHECK_FALSE(stated("1e10").since_start_s.has_value());  // more than a clock of nanoseconds counts
+}
+
 TEST_CASE("a clock that was set back costs the time code, not the run") {
   const std::string folder = scratch_folder("exr-backwards");
   auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.framerate_hz = 25.0});
