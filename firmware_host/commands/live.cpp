@@ -1,4 +1,5 @@
 // hdrcam live --camera ID -o out/%06d.exr: turns a camera's frames into HDR frames as they arrive.
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <span>
@@ -60,6 +61,11 @@ void warn_of_empty_outputs(const RunRecord& record, const Settings::Output& outp
              sink.left_out == 1 ? "1 was" : fmt::format("{} were", sink.left_out));
 }
 
+// Then that is the reason, and not that the method needs more frames.
+bool none_came_in_time(const Result<void>& ended, LiveEnd end, std::uint64_t captured) {
+  return end == LiveEnd::Timeout && captured == 0 && !ended && ended.error().code == ErrorCode::TooShort;
+}
+
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
@@ -75,7 +81,9 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
     write_result_beside_frames(
         settings.output, fmt::format("{}; {}\n{}", counted(counters.emitted, "frame"), proof_of(counters),
                                      recorded_line(settings, counters.emitted, counters.captured)));
-  return ended;
+  const LiveEnd end = source->timed_out() ? LiveEnd::Timeout : LiveEnd::Frames;
+  return none_came_in_time(ended, end, counters.emitted) ? flags.limits.ended_by(end, counters.emitted)
+                                                         : ended;
 }
 
 // The live page starts recordings later; whether their files can be made shows now.
@@ -138,11 +146,12 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   tell_of_run(*camera, settings, record);
+  const std::uint64_t captured = camera->session().counters().captured();
   if (is_stopped_at_once(*camera, ended))
     remark("note: stopped before the first HDR frame\n");
-  else
+  else if (!none_came_in_time(ended, camera->end(), captured))
     TRY(ended);
-  return flags.limits.ended_by(camera->end(), camera->session().counters().captured());
+  return flags.limits.ended_by(camera->end(), captured);
 }
 
 }  // namespace

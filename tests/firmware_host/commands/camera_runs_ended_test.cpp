@@ -158,6 +158,12 @@ TEST_CASE("a time limit before the first frame is a failure that a script can se
   CHECK(run.exit_code == exit_code_of(ErrorCode::Timeout));
   CHECK_THAT(run.err, Catch::Contains("no frame came within --timeout"));
   CHECK_FALSE(std::filesystem::exists(copy));
+  for (const char* camera : {"replay:" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "sim:still?size=64x48"}) {
+    const RanHere fitted = ran_here({"live", "--camera", camera, "--timeout", "1e-9"});
+    INFO(fitted.err);
+    CHECK(fitted.exit_code == exit_code_of(ErrorCode::Timeout));
+    CHECK_THAT(fitted.err, Catch::Contains("no frame came within --timeout"));
+  }
   const RunLimits limits{.timeout_s = 1};
   require_error(limits.ended_by(LiveEnd::Timeout, 0), ErrorCode::Timeout);
   CHECK(limits.ended_by(LiveEnd::Timeout, 1).ok());
