@@ -365,7 +365,7 @@ void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (!adaptation_) return;
   const auto cycle = adaptation_->observe(slot_for_light(frame), frame.shares);
   if (!cycle) return;
-  if (follow(*cycle)) adaptation_->runs(*cycle);  // else the cycle before goes on
+  if (change_cycle(*cycle)) adaptation_->runs(*cycle);  // else the cycle before goes on
 }
 
 // Where a cycle repeats an exposure and nothing is known of the control delays, a frame's own slot is not
@@ -413,11 +413,6 @@ Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
   schedule_ = schedule;
   proof_.set_cycle(schedule_.cycle());
   if (matcher_) matcher_->change_schedule(schedule_);
-  return {};
-}
-
-Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
-  TRY(change_cycle(cycle));
   ++counters_.cycle_changes;
   return {};
 }

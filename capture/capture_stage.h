@@ -80,11 +80,9 @@ class CaptureStage {
   // The schedule of another cycle. Errors: those of ExposureSchedule::create and PulseTrain::check. May be
   // called from any thread.
   Result<ExposureSchedule> schedule_of(std::span<const Exposure> cycle) const;
-  // Makes later requests follow another cycle. Errors: those of schedule_of(); after them, and after what it
-  // throws, the cycle is as it was.
+  // Makes later requests follow another cycle, and counts it. Errors: those of schedule_of(); after them, and
+  // after what it throws, the cycle is as it was.
   Result<void> change_cycle(std::span<const Exposure> cycle);
-  // The same for one that the light or the fit asks for; counted.
-  Result<void> follow(std::span<const Exposure> cycle);
   // What the fit may ask for; none of a camera that sets its exposures itself.
   std::optional<ExposureLimits> exposure_limits() const;
   // Takes the camera's response once the fit has estimated it; ratios then become exact (photometry.h).

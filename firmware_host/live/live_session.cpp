@@ -156,7 +156,7 @@ void LiveSession::count_shed(int frames) {
 void LiveSession::take_feedback() {
   const std::lock_guard lock(mutex_);
   if (learned_) capture_.learn_response(learned_->inverse, learned_->black_level);
-  if (followed_) (void)capture_.follow(*followed_);  // follow() checked it
+  if (followed_) (void)capture_.change_cycle(*followed_);  // follow() checked it
   learned_.reset(), followed_.reset();
 }
 

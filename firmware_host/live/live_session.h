@@ -106,7 +106,7 @@ class LiveSession {
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
-  // Later requests follow the cycle that the fit asks for (CaptureStage::follow). Errors: those of
+  // Later requests follow the cycle that the fit asks for (CaptureStage::change_cycle). Errors: those of
   // CaptureStage::schedule_of; the cycle before goes on.
   Result<void> follow(const std::vector<Exposure>& cycle);
   LiveCounters counters() const;

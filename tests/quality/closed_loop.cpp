@@ -57,7 +57,7 @@ class LoopedCamera : public FrameSource {
     return adapt_ == Adapt::Motion ? stage_->exposure_limits() : std::nullopt;
   }
   Result<void> follow(const std::vector<Exposure>& cycle) override {
-    require_done(stage_->follow(cycle));
+    require_done(stage_->change_cycle(cycle));
     return {};
   }
   Result<void> finish(RunRecord& record) override {

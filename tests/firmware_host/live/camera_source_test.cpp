@@ -274,6 +274,7 @@ TEST_CASE("the cycle of a running camera changes to one of as many exposures, an
   REQUIRE_FALSE(run.control().change_cycle("2ms,1s", "").ok());
   REQUIRE(run.more_frames(10));
   CHECK(test::becomes_true([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+  CHECK(run.source().session().counters().camera.cycle_changes == 1);  // the refused ones are none
 }
 
 TEST_CASE("a cycle that is changed without a gain keeps the one that it has") {
