@@ -35,16 +35,26 @@ namespace {
 // What a run tells of its end, beside its first error.
 struct RunEnding {
   std::string where;           // a list of the outputs
-  std::optional<Error> other;  // of the source's end, such as a recording that was cut
+  std::optional<Error> other;  // of the source's end, such as a cut recording, or of what comes behind
 };
+
+// ^C is none: whatever else went wrong says more.
+bool is_failure(const Result<void>& outcome) {
+  return !outcome && outcome.error().code != ErrorCode::Interrupted;
+}
+
+// A later failure is told beside the first.
+Result<void> first_failure(Result<void> first, Result<void> later, RunEnding& told) {
+  if (first || (!is_failure(first) && is_failure(later))) return later;
+  if (is_failure(later) && !told.other && later.error().message != first.error().message)
+    told.other = later.error();
+  return first;
+}
 
 // If the stream ended early, that error explains why it is too short.
 Result<void> first_cause(Result<void> worked, Result<void> ended, RunEnding& told) {
   const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
-  if (worked || (too_short && !ended)) return ended;
-  const bool stopped = !ended && ended.error().code == ErrorCode::Interrupted;  // says no more than the other
-  if (!ended && !stopped && ended.error().message != worked.error().message) told.other = ended.error();
-  return worked;
+  return too_short && !ended ? ended : first_failure(std::move(worked), std::move(ended), told);
 }
 
 std::optional<double> loss_of(const FrameRecord& record) {
@@ -277,13 +287,12 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall, RunEnding& told)
   if (choice_) record_.notes.push_back(choice_->summary());
   if (film_) add_findings(*film_, record_);
   close_record(most_records_, wall.lap_ms() / 1e3, record_);
-  const Result<void> ended = source_.finish(record_);
+  Result<void> outcome = first_cause(std::move(worked), source_.finish(record_), told);
   // depth and motion take their time: the camera and its recording have ended
-  if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;
-  if (worked && ended) worked = add_scores(plan_, earlier_, storage_, record_);
+  outcome = first_failure(std::move(outcome), save_scene(), told);
+  if (outcome) outcome = add_scores(plan_, earlier_, storage_, record_);
   record_.sinks = sinks_.times();
-  if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
-  return first_cause(std::move(worked), ended, told);
+  return first_failure(std::move(outcome), sinks_.conclude(record_), told);
 }
 
 Result<void> Run::save_scene() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "firmware_host/run/pipeline_options.h"
@@ -68,9 +69,10 @@ class SeeingSink : public FrameSink {
     return {};
   }
   Result<void> finish() override { return seen.finished = true, Result<void>{}; }
-  Result<void> conclude(const RunRecord& record) override { return seen.record = record, Result<void>{}; }
+  Result<void> conclude(const RunRecord& record) override { return seen.record = record, conclusion; }
 
   static inline bool failing = false;
+  static inline Result<void> conclusion = {};
 };
 
 class LightSinkWithoutMemory : public FrameSink {
@@ -86,7 +88,7 @@ constexpr SinkKind kKinds[] = {{"seen", "--seen", "what this test sees", SinkPac
 
 RunPlan plan() {
   seen = {};
-  SeeingSink::failing = false;
+  SeeingSink::failing = false, SeeingSink::conclusion = {};
   RunPlan plan{.settings = {}, .title = "a title", .sinks = kKinds, .progress = nullptr};
   plan.settings.fit.preset = Preset::Fast;
   plan.settings.fit.emit = EmitLayer::State;
@@ -253,6 +255,18 @@ TEST_CASE("a source that ends early is the reason, and what came before is emitt
     require_error(run(plan(), source, posix_storage()), ErrorCode::Truncated);
     CHECK(seen.sequences.size() == (frames == 9 ? 9 : 0));
     CHECK(seen.record);
+  }
+}
+
+TEST_CASE(
+    "what fails behind the end of the source is the reason where nothing failed before, as ^C does not") {
+  const Error cut{ErrorCode::Truncated, "cut"}, stopped{ErrorCode::Interrupted, "stopped"};
+  for (const auto& [end, reason] : std::vector<std::pair<Result<void>, ErrorCode>>{
+           {{}, ErrorCode::NoSpace}, {cut, ErrorCode::Truncated}, {stopped, ErrorCode::NoSpace}}) {
+    MemorySource source(9, end);
+    const RunPlan unconcluded = plan();
+    SeeingSink::conclusion = Error{ErrorCode::NoSpace, "no room for the figures"};
+    require_error(run(unconcluded, source, posix_storage()), reason);
   }
 }
 
