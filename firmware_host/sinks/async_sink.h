@@ -34,7 +34,7 @@ class AsyncSink : public FrameSink {
   // name: of its thread; trace: may be null, else outlives the sink.
   AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
             const std::string& name = "sink", Trace* trace = nullptr);
-  ~AsyncSink() override;  // like finish(), but ignores the error
+  ~AsyncSink() override;  // completes the queue as finish() does, but does not finish the sink
   AsyncSink(const AsyncSink&) = delete;
   AsyncSink& operator=(const AsyncSink&) = delete;
 

@@ -73,7 +73,9 @@ Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
       continue;
     }
     Stopwatch watch;
-    TRY(noted(open.sink->emit(frame), open));
+    const Result<void> done = open.sink->emit(frame);
+    open.failed |= !done;
+    TRY(done);
     const double ms = watch.lap_ms();
     ++open.here.frames, open.here.total_ms += ms;
     open.here.longest_ms = std::max(open.here.longest_ms, ms);
@@ -100,11 +102,6 @@ Result<void> SinkSet::each(const std::function<Result<void>(FrameSink&)>& work) 
   }
   if (first_thrown != nullptr) std::rethrow_exception(first_thrown);
   return first;
-}
-
-Result<void> SinkSet::noted(Result<void> done, Open& open) {
-  if (!done) open.failed = true;
-  return done;
 }
 
 // A file is replaced by another one (FileInMaking): one of an earlier run that this one left alone is the

@@ -54,7 +54,6 @@ class SinkSet {
     FileFacts earlier = {};            // what stood at its name before
     bool failed = false;
   };
-  static Result<void> noted(Result<void> done, Open& open);  // done, and open.failed where it is an error
   Result<void> each(const std::function<Result<void>(FrameSink&)>& work);
   static SinkTimes times_of(const Open& open);
   static bool is_written(const Open& open, Storage& storage);  // by this run
