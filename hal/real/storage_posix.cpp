@@ -234,6 +234,13 @@ class PosixStorage : public Storage {
     const std::vector<std::string> missing = missing_folders(path);
     std::error_code code;
     std::filesystem::create_directories(path, code);
+    if (code.value() == EEXIST)
+      return Error{
+          ErrorCode::NotFound,
+          fmt::format("cannot create the folder '{}': it is, or lies behind, a link to a folder that "
+                      "is not there; make that one, or mount its disk",
+                      path),
+          EEXIST};
     if (code) return error_of(code.value(), "create the folder", path);
     for (const std::string& folder : missing) TRY(sync_name(*this, folder));
     return {};

@@ -140,6 +140,16 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
   CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
 }
 
+TEST_CASE("a folder whose link leads to none is told as not there, and not as one that is in the way") {
+  const ScratchFolder folder;
+  fs::create_directory_symlink("disk/out", folder / "out");
+  for (const char* path : {"out", "out/today"}) {
+    const auto made = posix_storage().make_directories(folder / path);
+    require_error(made, ErrorCode::NotFound);
+    CHECK(made.error().message.find("a link to a folder that is not there") != std::string::npos);
+  }
+}
+
 TEST_CASE("the names of new folders are on the disk, as those of files are") {
   const ScratchFolder folder;
   const std::string real = fs::canonical(folder.name).string();
