@@ -7,7 +7,7 @@
 #include "capture/recorded_labels.h"
 #include "firmware_host/film/scene_keeper.h"
 #include "firmware_host/run/pipeline_options.h"
-#include "firmware_host/sinks/async_sink.h"
+#include "firmware_host/sinks/sink_table.h"
 #include "hal/core/image.h"
 
 namespace hdrcam {
@@ -58,10 +58,12 @@ std::uint64_t recording_bytes(const CameraFacts& camera) {
 
 std::uint64_t sink_bytes(int width, int height, const Settings& settings) {
   const std::uint64_t frame = kQueuedFrame * pixel_count(height, width);
+  const std::uint64_t one = frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixel_count(height, width);
   std::uint64_t sinks = 0;
-  for (const auto& [sink, path] : settings.output.paths)
-    if (!path.empty() && sink != Settings::Output::kSnapshot)
-      sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixel_count(height, width);
+  for (const SinkKind& kind : sink_kinds()) {
+    const bool has_pictures = kind.pace != SinkPace::Light || kind.target == SinkTarget::Address;
+    if (has_pictures && !settings.output.path(kind.name).empty()) sinks += one;
+  }
   return sinks;
 }
 

@@ -22,7 +22,7 @@ std::uint64_t recording_bytes(const CameraFacts& camera);
 std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use = FieldUse::Fills);
 // The method alone.
 std::uint64_t method_bytes(int width, int height, const Settings& settings, FieldUse use);
-// The outputs alone, of pictures of this size.
+// The outputs alone, of pictures of this size: those that hold pictures, which statistics and poses do not.
 std::uint64_t sink_bytes(int width, int height, const Settings& settings);
 // A camera's buffers, and the frames that wait for the disk, at least and at most so many.
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,

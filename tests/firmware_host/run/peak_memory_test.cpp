@@ -139,6 +139,17 @@ void check_copy(const std::vector<std::string>& words, const CameraFacts& camera
 
 }  // namespace
 
+TEST_CASE("statistics and poses need no memory for pictures") {
+  Settings settings;
+  settings.output.paths["frames"] = "out/%06d.exr";
+  const std::uint64_t frames = sink_bytes(1920, 1080, settings);
+  CHECK(frames > 0);
+  for (const char* figures : {"stats", "transforms", "colmap"}) settings.output.paths[figures] = "somewhere";
+  CHECK(sink_bytes(1920, 1080, settings) == frames);
+  settings.output.paths["http"] = "127.0.0.1:0";
+  CHECK(sink_bytes(1920, 1080, settings) == 2 * frames);
+}
+
 TEST_CASE("a copy takes no more memory than was estimated, and that was no more than it needs", "[memory]") {
   if (!allocations_are_counted()) {
     NOT_TESTED("a sanitizer takes memory of its own: no test bounds a peak in this build");
