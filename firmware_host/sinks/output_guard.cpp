@@ -29,6 +29,7 @@ constexpr std::string_view kSceneExtension = ".hdrscene";
 struct NameSet {
   std::string folder;  // without symbolic links
   FramePattern pattern;
+  std::string text;  // the pattern as it was given, or in that folder where the given one is not there yet
 };
 
 // Of /dev/null, with which other programs are timed, and of a FIFO.
@@ -50,7 +51,15 @@ Result<NameSet> names_of(Storage& storage, const NamedOutput& frames) {
     return there && there.value().kind == FileKind::Other ? takes_no_files(frames) : pattern.error();
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return NameSet{TRY(storage.look_at(folder.string())).real_path, std::move(pattern).value()};
+  FileFacts there = TRY(storage.look_at(folder.string()));
+  fs::path text = path;
+  if (there.kind == FileKind::Missing) {  // by that name: "/tmp/new/..", while there is no "new"
+    there = TRY(storage.look_at(there.real_path));
+    text = there.real_path / path.filename();
+  }
+  fs::path real(there.real_path);
+  if (!real.has_filename()) real = real.parent_path();  // of "/tmp/"
+  return NameSet{real.string(), std::move(pattern).value(), text.string()};
 }
 
 // The place of an input or an output on the disk.
@@ -146,7 +155,7 @@ Result<void> check_earlier_work_stays(Storage& storage, const Place& place, Outp
                                                 "with --force",
                                                 place.words, place.path)};
   if (!place.names) return {};
-  const EarlierFrames earlier(storage, place.path);
+  const EarlierFrames earlier(storage, place.names->text);
   if (const Result<void>& listed = earlier.listed(); !listed)
     return Error{
         listed.error().code,
@@ -223,6 +232,8 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
     if (output.path.empty()) continue;
     TRY(check_words(storage, output));
     Place place = TRY(place_of(storage, output));
+    if (!place.names && place.facts.kind == FileKind::Missing)  // "new/../walk.mkv", while there is no "new"
+      place.facts = TRY(storage.look_at(place.facts.real_path));
     for (const Place& other : taken)
       if (meet(place, other))
         return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",

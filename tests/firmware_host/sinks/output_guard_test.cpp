@@ -50,6 +50,28 @@ TEST_CASE("no output may be the recording that is read, under any name, even wit
       }
 }
 
+TEST_CASE(
+    "what an output finds once its folder is made counts as there, by the way through that folder too") {
+  const Desk desk("guard_new_folder");
+  for (const char* earlier : {"take.mkv", "000001.exr"}) desk.put(earlier);
+  for (const Overwrite overwrite : {Overwrite::Refuse, Overwrite::Force}) {
+    require_error(desk.check({{"--report", "new/../walk.mkv"}}, overwrite), ErrorCode::Invalid);
+    require_error(desk.check({{"--report", "new/../take.mkv"}}, overwrite), ErrorCode::Invalid);
+  }
+  require_error(desk.check({{"--record", "new/../take.mkv", OutputKind::Recording}}), ErrorCode::Exists);
+  require_done(desk.check({{"--record", "new/../take.mkv", OutputKind::Recording}}, Overwrite::Force));
+  require_error(desk.check({{"--output", "new/../%06d.exr", OutputKind::Frames}}), ErrorCode::Exists);
+  require_error(desk.check({{"--output", "new/../%06d.exr", OutputKind::Frames}, {"--report", "000002.exr"}},
+                           Overwrite::Force),
+                ErrorCode::Invalid);
+  require_done(desk.check({{"--output", "new/%06d.exr", OutputKind::Frames}}));
+  fs::create_directory_symlink(".", desk.folder + "/link");
+  require_error(
+      desk.check({{"--output", "new/../link/%06d.exr", OutputKind::Frames}, {"--report", "000002.exr"}},
+                 Overwrite::Force),
+      ErrorCode::Invalid);
+}
+
 TEST_CASE("the folder of every output is made, and one that takes no file is found before any work") {
   const Desk desk("guard_room");
   const auto room = [&](std::vector<NamedOutput> outputs) {
