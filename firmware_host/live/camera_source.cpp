@@ -34,8 +34,8 @@ std::vector<std::string> differences(const Settings::Camera& asked, const Camera
 // Errors: Unsupported where the stream and the work on it need more memory than the settings allow.
 Result<void> admit_stream(const Settings& settings, const StreamMode& mode, LiveWork work) {
   const int width = mode.width, height = mode.height;
-  std::uint64_t bytes =
-      capture_bytes(width, height, settings, LiveOptions::kFewestFrames, LiveOptions::kMostFrames);
+  std::uint64_t bytes = capture_bytes(width, height, codes_of(mode.format).layout, settings,
+                                      LiveOptions::kFewestFrames, LiveOptions::kMostFrames);
   if (work == LiveWork::Fit) bytes += fit_bytes(width, height, settings);
   if (is_simulated(settings.camera.id)) bytes += simulator_bytes(width, height);
   const char* const fit = work == LiveWork::Fit ? " with its fit" : "";

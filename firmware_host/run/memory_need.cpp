@@ -87,10 +87,10 @@ std::uint64_t method_bytes(int width, int height, const Settings& settings, Fiel
   return per_pixel * pixel_count(height, width) + scene;
 }
 
-std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,
-                            int most_waiting) {
-  constexpr std::uint64_t kBytes = 3 * sizeof(std::uint16_t);  // of a pixel, at most
-  const std::uint64_t frame = kBytes * pixel_count(height, width);
+std::uint64_t capture_bytes(int width, int height, PixelLayout layout, const Settings& settings,
+                            int fewest_waiting, int most_waiting) {
+  const std::uint64_t frame =
+      sizeof(std::uint16_t) * static_cast<std::uint64_t>(channels(layout)) * pixel_count(height, width);
   const std::uint64_t waiting = std::clamp(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
                                            frame * static_cast<std::uint64_t>(fewest_waiting),
                                            frame * static_cast<std::uint64_t>(most_waiting));

@@ -24,9 +24,9 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
 std::uint64_t method_bytes(int width, int height, const Settings& settings, FieldUse use);
 // The outputs alone, of pictures of this size: those that hold pictures, which statistics and poses do not.
 std::uint64_t sink_bytes(int width, int height, const Settings& settings);
-// A camera's buffers, and the frames that wait for the disk, at least and at most so many.
-std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting,
-                            int most_waiting);
+// A camera's buffers, and the frames of this layout that wait for the disk, at least and at most so many.
+std::uint64_t capture_bytes(int width, int height, PixelLayout layout, const Settings& settings,
+                            int fewest_waiting, int most_waiting);
 // The simulated sensor with its scene.
 std::uint64_t simulator_bytes(int width, int height);
 

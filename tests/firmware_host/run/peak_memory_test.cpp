@@ -172,23 +172,27 @@ TEST_CASE("a copy takes no more memory than was estimated, and that was no more 
 TEST_CASE(
     "the packet of FFV1, which FFmpeg asks for whatever comes of it, is estimated with a camera's frames") {
   Settings settings;
-  const std::uint64_t usual = capture_bytes(64, 48, settings, 1, 1);
+  const std::uint64_t usual = capture_bytes(64, 48, PixelLayout::Rgb, settings, 1, 1);
   settings.record.codec = RecordingCodec::Ffv1;
-  CHECK(capture_bytes(64, 48, settings, 1, 1) - usual == std::uint64_t{148} * 64 * 48);
+  CHECK(capture_bytes(64, 48, PixelLayout::Rgb, settings, 1, 1) - usual == std::uint64_t{148} * 64 * 48);
 }
 
 TEST_CASE("frames that wait for the disk are estimated as far as there are any, whatever is allowed them") {
   constexpr int kFewest = 12, kMost = 4096;
-  const auto needed = [](int width, int height, int memory_mib) {
-    Settings settings;
+  Settings settings;
+  const auto needed = [&](int width, int height, int memory_mib, PixelLayout layout = PixelLayout::Rgb) {
     settings.record.memory_mib = memory_mib;
-    return capture_bytes(width, height, settings, kFewest, kMost);
+    return capture_bytes(width, height, layout, settings, kFewest, kMost);
   };
   constexpr std::uint64_t kFrame = 64 * 48 * 3 * sizeof(std::uint16_t);
   CHECK(needed(64, 48, 65536) == needed(64, 48, 256));
   CHECK(needed(64, 48, 256) - needed(64, 48, 1) == kMost * kFrame - (1U << 20));
   CHECK(needed(640, 480, 512) - needed(640, 480, 256) == 256U << 20);
   CHECK(needed(1920, 1080, 1) == needed(1920, 1080, 2));
+  // of a mosaic two planes less, in each that waits and in each buffer
+  const auto frames = static_cast<std::uint64_t>(kFewest + settings.camera.buffers);
+  CHECK(needed(1920, 1080, 1) - needed(1920, 1080, 1, PixelLayout::BayerRggb) ==
+        frames * 2 * sizeof(std::uint16_t) * 1920 * 1080);
 }
 
 TEST_CASE(
