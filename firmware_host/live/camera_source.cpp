@@ -85,6 +85,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->facts_ = source->capture_->facts();
   StreamMode taken = setup.options.mode;
   taken.width = source->facts_.width, taken.height = source->facts_.height;
+  TRY(admit_stream(settings, taken, limits.work));  // a driver may have none as small as asked for
   if (!source->replayed_)
     source->differences_ =
         differences(settings.camera, source->facts_, sizes_of(source->camera_->capabilities(), taken));

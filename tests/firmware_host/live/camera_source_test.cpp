@@ -391,6 +391,32 @@ TEST_CASE("pictures of another size than the one asked for are told of") {
   }
 }
 
+TEST_CASE("a camera without pictures as small as asked for is admitted by the size of those that it has") {
+  const std::string path = sample::scratch_folder("camera_admitted") + "/large.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 640, 480);
+  std::vector<RawFrame> frames = sample::frames(camera, 12, 1);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FrameFacts& facts = frames[i].facts = {};
+    facts.sequence = i;
+    facts.timestamp = Instant::from_seconds(static_cast<double>(i) / 30);
+    facts.exposure_s = i % 2 == 0 ? 0.001 : 0.004;
+  }
+  require_done(sample::record(posix_storage(), path, camera, frames));
+  Settings settings;
+  settings.camera.id = "replay:" + path;
+  settings.camera.width = 32, settings.camera.height = 24;
+  settings.record.memory_mib = 1;
+  const std::atomic<bool> stop{false};
+  const auto opened = [&](int memory_mib) {
+    settings.machine.memory_mib = memory_mib;
+    return CameraSource::open(settings, {.work = LiveWork::RecordOnly}, posix_storage(), stop);
+  };
+  const auto refused = opened(84);
+  require_error(refused, ErrorCode::Unsupported);
+  CHECK(refused.error().message.starts_with("a stream of 640x480 needs about"));
+  CHECK(opened(160).ok());
+}
+
 TEST_CASE("a run that follows the light notes how often, and its last cycle") {
   Settings settings;
   settings.camera.id = "sim:walk?size=64x48&rays=1&fps=50";  // its highlights clip at 1 ms
