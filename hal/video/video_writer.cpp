@@ -209,7 +209,8 @@ Result<void> VideoWriter::write_header(const VideoFormat& format) {
   AVFormatContext& muxer = *muxer_;
   AVStream* stream = libav::allocated(avformat_new_stream(&muxer, nullptr));
   libav::check_memory(avcodec_parameters_from_context(stream->codecpar, encoder_.get()));
-  stream->time_base = format.container == VideoContainer::Y4m ? encoder_->time_base : kMicroseconds;
+  is_numbered_ = format.container == VideoContainer::Y4m;
+  stream->time_base = is_numbered_ ? encoder_->time_base : kMicroseconds;
   stream->avg_frame_rate = encoder_->framerate;
   if (is_mp4(format.container) && format.codec == VideoCodec::Hevc)
     stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');  // what Apple's players ask for
@@ -275,14 +276,14 @@ Result<void> VideoWriter::append(Duration since_start) {
 Result<void> VideoWriter::write_packets() {
   AVPacket* packet = packet_.get();
   const AVStream& stream = *muxer_->streams[0];
-  const bool numbered = av_cmp_q(stream.time_base, encoder_->time_base) == 0;
   for (;;) {
     const int code = avcodec_receive_packet(encoder_.get(), packet);
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return {};
     TRY(checked(code, "encode a frame"));
     while (first_inside_ < packet->pts && times_us_.size() > 1) times_us_.pop_front(), ++first_inside_;
-    if (!numbered) {
-      packet->pts = packet->dts = av_rescale_q(times_us_.front(), kMicroseconds, stream.time_base);
+    if (!is_numbered_) {
+      const std::int64_t at = av_rescale_q(times_us_.front(), kMicroseconds, stream.time_base);
+      packet->pts = packet->dts = last_written_ = std::max(at, last_written_ + 1);
       packet->duration = av_rescale_q(1, av_inv_q(encoder_->framerate), stream.time_base);
     }
     packet->stream_index = 0;

@@ -91,6 +91,8 @@ class VideoWriter {
   std::int64_t first_inside_ = 0, last_us_ = -1;  // number of the first of them
   std::int64_t longest_step_us_ = std::numeric_limits<std::int64_t>::max();  // that the container can state
   std::int64_t left_out_us_ = 0;                                             // of longer ones
+  bool is_numbered_ = false;                                                 // the container has no times
+  std::int64_t last_written_ = -1;  // time of the packet before, in ticks of the container
 };
 
 }  // namespace hdrcam

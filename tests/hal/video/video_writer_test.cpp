@@ -51,6 +51,25 @@ TEST_CASE("the times of frames are rounded to microseconds") {
     CHECK(video.frames[i].time_s == Approx(times[i]).epsilon(0).margin(5.1e-7));
 }
 
+TEST_CASE("a video of a thousand frames a second has its times in Matroska, too") {
+  const std::string path = sample::scratch_folder("video_fast") + "/x.mkv";
+  const std::vector<double> times{0, 0.001, 0.002, 0.007, 0.008, 0.02};
+  REQUIRE(test::write_video(path, VideoCodec::H264, moving_stripes(6, 32, 48), times, 1000).ok());
+  const test::DecodedVideo video = test::decoded_video(path);
+  REQUIRE(video.frames.size() == times.size());
+  for (std::size_t i = 0; i < times.size(); ++i)
+    CHECK(video.frames[i].time_s == Approx(times[i]).margin(1e-6));
+}
+
+TEST_CASE("of frames within a millisecond no two have one time in Matroska") {
+  const std::string path = sample::scratch_folder("video_faster") + "/x.mkv";
+  REQUIRE(test::write_video(path, VideoCodec::H264, moving_stripes(9, 32, 48), {}, 3000).ok());
+  const test::DecodedVideo video = test::decoded_video(path);
+  REQUIRE(video.frames.size() == 9);
+  for (std::size_t i = 1; i < video.frames.size(); ++i)
+    CHECK(video.frames[i].time_s > video.frames[i - 1].time_s);
+}
+
 TEST_CASE("videos of less than a frame a second have their times, whatever the codec") {
   const std::string folder = sample::scratch_folder("video_slow");
   for (const VideoCodec codec : {VideoCodec::Hevc, VideoCodec::Av1, VideoCodec::H264})
