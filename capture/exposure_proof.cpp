@@ -330,7 +330,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
              (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;
   } else if (!exposures_differ_ && judgement.label.source == ExposureSource::Embedded &&
-             votes.in_favour >= 2) {
+             votes.in_favour >= 2 && current_count_ > 0) {
     judgement.verdict = Verdict::Proved;  // the sensor's embedded data says so, and the light did not change
     judgement.within_ev = open_interval_ev(claimed);
   } else {

@@ -34,7 +34,8 @@
 // The proof covers the product time x gain, relative to the neighbouring frames, to within `within_ev`.
 // Pictures carry no absolute scale: the claims set it, and it does not change relative radiance. In a cycle
 // of one exposure pictures prove nothing; only the strobe or the sensor's embedded data proves a frame there.
-// Thread-bound; bounded state, no allocation.
+// Where no cycle is known, as of a recording with more than four exposures, nothing proves one. Thread-bound;
+// bounded state, no allocation.
 #pragma once
 
 #include <array>

@@ -381,6 +381,19 @@ TEST_CASE("the sensor's own word on its one exposure needs two pictures that agr
   }
 }
 
+TEST_CASE("where exposures differ and no cycle is known, the sensor's embedded data proves nothing",
+          "[capture]") {
+  constexpr Exposure kFive[] = {k1, {2ms, 1}, k4, {8ms, 1}, k16};
+  Bench bench(std::span<const Exposure>{});
+  for (std::size_t i = 0; i < 15; ++i) {
+    CAPTURE(i);
+    const Exposure& truth = kFive[i % 5];
+    const Judgement judgement = bench.judge(truth, claims({{truth, 1, ExposureSource::Embedded}}));
+    CHECK(judgement.verdict == Verdict::Plausible);
+    CHECK(judgement.label.exposure == truth);
+  }
+}
+
 TEST_CASE("a strobe pulse decides alone what pictures leave open", "[capture]") {
   Bench bench(kThree);
   FrameEvidence evidence = claims({predicted(k4)});

@@ -117,6 +117,18 @@ TEST_CASE("right exposures of a recording stay as they are, and pictures prove t
   }
 }
 
+TEST_CASE("of more than four exposures the pictures prove none, whoever states them", "[capture]") {
+  const auto scene = scene_of({0.001, 0.002, 0.004, 0.008, 0.016});
+  for (const ExposureSource source : {ExposureSource::Declared, ExposureSource::Embedded}) {
+    CAPTURE(static_cast<int>(source));
+    std::vector<RawFrame> frames = filmed(scene, 20);
+    for (RawFrame& frame : frames) frame.facts.exposure_source = source;
+    const Judged result = judged(scene, std::move(frames));
+    CHECK(result.counters.proved == 0);
+    CHECK(result.counters.plausible == 20);
+  }
+}
+
 TEST_CASE("where a camera clips below the largest code, exposures are judged by what does not clip",
           "[capture]") {
   auto scene = scene_of({0.001, 0.004, 0.016});
