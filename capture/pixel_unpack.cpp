@@ -148,7 +148,7 @@ Result<std::size_t> stride_of(const CapturedBuffer& buffer, Packing packing) {
 
 PixelCodes codes_of(PixelFormat format) {
   const auto [packing, layout, bits] = packing_of(format);
-  return {layout, bits, is_bayer(layout)};
+  return {layout, bits, is_raw(format)};
 }
 
 Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,

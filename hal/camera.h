@@ -31,6 +31,10 @@ enum class PixelFormat {
   Nv12,
   Mjpeg,
   Grey8,
+  // mono, as the Bayer formats of as many bits below
+  Grey10,
+  Grey12,
+  Grey10Packed,
   Rggb8,
   Grbg8,
   Gbrg8,

@@ -27,6 +27,12 @@ PixelPacking packing_of(PixelFormat format) {
       return {Packing::Jpeg};
     case Grey8:
       return {Packing::Bytes, PixelLayout::Mono};
+    case Grey10:
+      return {Packing::Words, PixelLayout::Mono, 10};
+    case Grey12:
+      return {Packing::Words, PixelLayout::Mono, 12};
+    case Grey10Packed:
+      return {Packing::Mipi10, PixelLayout::Mono, 10};
     case Rggb8:
     case Grbg8:
     case Gbrg8:
@@ -60,6 +66,11 @@ PixelPacking packing_of(PixelFormat format) {
   }
   HDRCAM_CHECK_EQ(static_cast<int>(format), -1);  // none of the list
   return {};
+}
+
+bool is_raw(PixelFormat format) {
+  const PixelPacking packing = packing_of(format);
+  return is_bayer(packing.layout) || packing.bits > 8;
 }
 
 bool alike_but_for_order(PixelFormat a, PixelFormat b) {

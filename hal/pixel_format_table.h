@@ -18,6 +18,9 @@ struct PixelPacking {
   int bits = 8;                           // of a code
 };
 PixelPacking packing_of(PixelFormat format);
+// Whether its codes are the sensor's own, proportional to light above the black level: of a mosaic, or mono
+// of more than 8 bits.
+bool is_raw(PixelFormat format);
 // Whether both are Bayer formats that differ in nothing but the order of their colours, which a sensor that
 // is flipped changes.
 bool alike_but_for_order(PixelFormat a, PixelFormat b);

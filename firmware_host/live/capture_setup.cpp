@@ -33,12 +33,12 @@ int chroma_rank(PixelFormat format) {
   }
 }
 
-// Larger is better: raw before processed, more bits before fewer, full before subsampled chroma, then as
-// listed.
-std::tuple<bool, int, int, int> rank_of(PixelFormat format) {
+// Larger is better: colour before mono, raw before processed, more bits before fewer, full before subsampled
+// chroma, then as listed.
+std::tuple<bool, bool, int, int, int> rank_of(PixelFormat format) {
   const PixelCodes codes = codes_of(format);
-  const bool colour = codes.layout != PixelLayout::Mono;
-  return {colour && codes.linear, colour ? codes.bits : 0, chroma_rank(format), -static_cast<int>(format)};
+  return {codes.layout != PixelLayout::Mono, codes.linear, codes.bits, chroma_rank(format),
+          -static_cast<int>(format)};
 }
 
 void add_new(std::string text, std::vector<std::string>& texts) {

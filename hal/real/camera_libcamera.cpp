@@ -154,7 +154,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     TRY(check_configurable(wanted, buffers));
     slots_.reset(0), requests_.clear(), buffers_.reset();
     auto configuration = camera_->generateConfiguration(
-        {is_bayer(wanted.format) ? lc::StreamRole::Raw : lc::StreamRole::Viewfinder});
+        {is_raw(wanted.format) ? lc::StreamRole::Raw : lc::StreamRole::Viewfinder});
     if (configuration == nullptr || configuration->empty()) return does_not_offer(wanted.format);
     lc::StreamConfiguration& stream = configuration->at(0);
     stream.pixelFormat = libcamera_format_of(wanted.format);
@@ -362,7 +362,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
     if (const auto skew_ns = metadata.get(lc::controls::draft::SensorRollingShutterSkew))
       buffer.readout = readout_of(Duration(*skew_ns), mode_.height, mode_.frame_duration);
-    if (const auto levels = metadata.get(lc::controls::SensorBlackLevels); levels && is_bayer(mode_.format))
+    if (const auto levels = metadata.get(lc::controls::SensorBlackLevels); levels && is_raw(mode_.format))
       buffer.black_level = black_level_of(std::span<const std::int32_t, 4>(levels->data(), levels->size()),
                                           packed_format(mode_.format)->bits);
     buffer.mode = mode_, buffer.yuv = yuv_, buffer.stride = stride_;

@@ -19,6 +19,9 @@ constexpr Row kRows[] = {
     {PixelFormat::Nv12, libcamera::formats::NV12},
     {PixelFormat::Mjpeg, libcamera::formats::MJPEG},
     {PixelFormat::Grey8, libcamera::formats::R8},
+    {PixelFormat::Grey10, libcamera::formats::R10},
+    {PixelFormat::Grey12, libcamera::formats::R12},
+    {PixelFormat::Grey10Packed, libcamera::formats::R10_CSI2P},
     {PixelFormat::Rggb8, libcamera::formats::SRGGB8},
     {PixelFormat::Grbg8, libcamera::formats::SGRBG8},
     {PixelFormat::Gbrg8, libcamera::formats::SGBRG8},
@@ -59,8 +62,6 @@ std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format) {
   if (row == std::end(kRows)) return std::nullopt;
   return row->format;
 }
-
-bool is_bayer(PixelFormat format) { return format >= PixelFormat::Rggb8; }
 
 YuvCoding coding_of(const libcamera::ColorSpace& space) {
   using libcamera::ColorSpace;

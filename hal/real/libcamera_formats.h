@@ -13,7 +13,6 @@ namespace hdrcam {
 
 libcamera::PixelFormat libcamera_format_of(PixelFormat format);
 std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format);
-bool is_bayer(PixelFormat format);
 YuvCoding coding_of(const libcamera::ColorSpace& space);
 
 }  // namespace hdrcam

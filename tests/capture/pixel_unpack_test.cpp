@@ -1,10 +1,12 @@
 #include "capture/pixel_unpack.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
 #include "capture/demosaic.h"
 #include "capture/to_exposed_frame.h"
+#include "hal/pixel_pack.h"
 #include "tests/capture/plain_demosaic.h"
 
 namespace hdrcam {
@@ -81,6 +83,25 @@ TEST_CASE("raw codes come out as they went in, packed or not, with any stride", 
       CHECK(cut.error().code == ErrorCode::Corrupt);
     }
   }
+}
+
+TEST_CASE("mono of more than 8 bits has the sensor's own codes: as they went in, and linear", "[capture]") {
+  constexpr int kWidth = 12, kHeight = 3;
+  for (const auto& [format, bits] :
+       {std::pair{PixelFormat::Grey10, 10}, {PixelFormat::Grey12, 12}, {PixelFormat::Grey10Packed, 10}}) {
+    CAPTURE(name(format));
+    Image<std::uint16_t> in(1, kHeight, kWidth), out;
+    std::ranges::copy(random_codes(kWidth * kHeight, bits), in.samples().begin());
+    std::vector<std::byte> bytes(packed_stride(format, kWidth) * kHeight);
+    pack_codes(in, format, bytes);
+    REQUIRE(unpack_pixels(buffer_of(format, kWidth, kHeight, bytes), {}, out).ok());
+    REQUIRE(out.channels() == 1);
+    CHECK(std::ranges::equal(in.samples(), out.samples()));
+    CHECK(codes_of(format).bits == bits);
+    CHECK(codes_of(format).layout == PixelLayout::Mono);
+    CHECK(codes_of(format).linear);
+  }
+  CHECK_FALSE(codes_of(PixelFormat::Grey8).linear);  // of any camera
 }
 
 TEST_CASE("words beyond the bits of their format are cut off, so that no code is out of range", "[capture]") {

@@ -44,6 +44,8 @@ TEST_CASE("a format is found for the codes of a recording and holds them") {
     }
   CHECK(format_for(PixelLayout::Rgb, 8) == PixelFormat::Rgb24);
   CHECK(format_for(PixelLayout::Mono, 8) == PixelFormat::Grey8);
+  CHECK(format_for(PixelLayout::Mono, 10) == PixelFormat::Grey10);
+  CHECK(format_for(PixelLayout::Mono, 12) == PixelFormat::Grey12);
   CHECK_FALSE(format_for(PixelLayout::Rgb, 12));
   CHECK_FALSE(format_for(PixelLayout::BayerRggb, 9));
   CHECK_FALSE(packed_format(PixelFormat::Mjpeg));

@@ -46,6 +46,20 @@ TEST_CASE("the best format is taken where no size is set, or none of the formats
   CHECK(mode_of(1000, 700) == "RGGB10 1000x700");  // the camera then takes the nearest
 }
 
+TEST_CASE("of a mono sensor the most bits are taken, but of a camera that has colour the colour") {
+  using enum PixelFormat;
+  const auto taken_of = [](std::initializer_list<PixelFormat> formats) {
+    CameraCapabilities camera;
+    for (const PixelFormat format : formats)
+      camera.modes.push_back({.format = format, .width = 640, .height = 400});
+    return std::string(name(value_of(mode_for({}, camera)).format));
+  };
+  CHECK(taken_of({Grey8, Grey10Packed, Grey10}) == "GREY10");
+  CHECK(taken_of({Grey8, Grey10Packed}) == "GREY10P");
+  CHECK(taken_of({Grey12, Mjpeg, Grey8}) == "MJPEG");
+  CHECK(taken_of({Grey12, Nv12, Bggr10, Rgb24}) == "BGGR10");
+}
+
 TEST_CASE("a format that is set is taken, whatever the size") {
   CHECK(mode_of(1920, 1080, "YUYV") == "YUYV 1920x1080");
   CHECK(mode_of(640, 480, "RGGB8") == "RGGB8 640x480");
