@@ -205,29 +205,47 @@ Result<void> CaptureStage::drain_strobe() {
   return {};
 }
 
+// Ten frames of a slow camera are minutes: who wants the run to end does not wait for them.
+Result<CapturedBuffer> CaptureStage::wait_in_parts(const Ends& ends) {
+  constexpr Duration kPart = std::chrono::seconds(2);
+  for (Duration before{0};;) {
+    const Duration part = ends ? std::min(kPart, options_.patience - before) : options_.patience;
+    Result<CapturedBuffer> waited = camera_.wait(part);
+    if (waited || waited.error().code != ErrorCode::Timeout) return waited;
+    if (before + part >= options_.patience) {
+      Error silent = waited.error();
+      if (before > Duration(0)) silent.message += fmt::format(", nor in the {} before", describe(before));
+      return silent;
+    }
+    if (ends()) return interrupted();
+    before += part;
+  }
+}
+
 // Waits once more where the time ran out and hardly a pulse was driven meanwhile: the sensor had nothing to
 // answer.
-Result<CapturedBuffer> CaptureStage::wait() {
+Result<CapturedBuffer> CaptureStage::wait(const Ends& ends) {
   const std::uint64_t driven = trigger_.driven();
-  Result<CapturedBuffer> waited = camera_.wait(options_.patience);
+  Result<CapturedBuffer> waited = wait_in_parts(ends);
   if (!waited && waited.error().code == ErrorCode::Timeout && trigger_.held_up(driven, options_.patience))
-    waited = camera_.wait(options_.patience);
+    waited = wait_in_parts(ends);
   if (!waited) return trigger_.no_answer(waited.error());
   return waited;
 }
 
-// A camera that another thread stopped meanwhile refuses requests as one that was never started.
-Error CaptureStage::refusal(const Error& of_request) const {
-  if (!stopped_) return of_request;
+Error CaptureStage::interrupted() const {
   return {ErrorCode::Interrupted, fmt::format("capture from '{}' was stopped", camera_.capabilities().id)};
 }
 
-Result<void> CaptureStage::next(CapturedFrame& frame) {
+// A camera that another thread stopped meanwhile refuses requests as one that was never started.
+Error CaptureStage::refusal(const Error& of_request) const { return stopped_ ? interrupted() : of_request; }
+
+Result<void> CaptureStage::next(CapturedFrame& frame, const Ends& ends) {
   TRY(std::exchange(last_request_, {}));
   for (;;) {
     bool emitted = false;
     {
-      const Result<CapturedBuffer> waited = wait();
+      const Result<CapturedBuffer> waited = wait(ends);
       if (!waited) return waited.error();
       const CapturedBuffer& buffer = waited.value();
       requests_.completed();

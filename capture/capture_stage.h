@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -54,11 +55,13 @@ class CaptureStage {
                                                     const CaptureOptions& options);
 
   Result<void> start();
+  // Whether the run is to end; asked every two seconds while no frame comes.
+  using Ends = std::function<bool()>;
   // Writes the next frame into `frame`, whose storage is reused. Errors: the camera's own; Interrupted after
-  // stop(); Invalid or Unsupported for a pixel format that cannot be unpacked, Corrupt once many frames in a
-  // row were damaged or did not decode. A frame that came before the camera refused the next request is
-  // delivered first.
-  Result<void> next(CapturedFrame& frame);
+  // stop(), and where the run is to end; Invalid or Unsupported for a pixel format that cannot be unpacked,
+  // Corrupt once many frames in a row were damaged or did not decode. A frame that came before the camera
+  // refused the next request is delivered first.
+  Result<void> next(CapturedFrame& frame, const Ends& ends = {});
   // Ends a waiting next(); may be called from any thread. start() may follow.
   Result<void> stop();
   // After stop(), on the thread of next(): counts the pulses and answers that came since the last frame.
@@ -100,8 +103,9 @@ class CaptureStage {
   void collect_warnings();
   void restart_matching();
   Result<void> drain_strobe();
-  // The camera's next buffer. Errors: the camera's own.
-  Result<CapturedBuffer> wait();
+  // The camera's next buffer. Errors: the camera's own; Interrupted.
+  Result<CapturedBuffer> wait(const Ends& ends);
+  Result<CapturedBuffer> wait_in_parts(const Ends& ends);
   void count(const CapturedBuffer& buffer, const MatchedFrame& matched);
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
@@ -114,6 +118,7 @@ class CaptureStage {
   void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                            FrameFacts& facts);
   int slot_of(const ExposureClaim& label) const;
+  Error interrupted() const;
   Error refusal(const Error& of_request) const;
 
   struct Emitted {  // frame

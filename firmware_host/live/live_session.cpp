@@ -85,23 +85,24 @@ Result<void> LiveSession::capture_until_end(const std::atomic<bool>& stop) {
       why_ = *why;
       break;
     }
-    TRY(capture_one());
+    const Result<void> captured = capture_one(stop);
+    if (!captured && !(captured.error().code == ErrorCode::Interrupted && is_to_end(stop))) return captured;
     if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
   }
   return {};
 }
 
-Result<void> LiveSession::next_frame(CapturedFrame& captured) {
+Result<void> LiveSession::next_frame(CapturedFrame& captured, const std::atomic<bool>& stop) {
   const TraceSpan span(options_.trace, "capture");
-  return capture_.next(captured);
+  return capture_.next(captured, [this, &stop] { return is_to_end(stop); });
 }
 
-Result<void> LiveSession::capture_one() {
+Result<void> LiveSession::capture_one(const std::atomic<bool>& stop) {
   take_feedback();
   take_cycle();
   FrameShare frame = pool_.take();
   CapturedFrame& captured = frame ? frame->captured : scratch_;
-  TRY(next_frame(captured));
+  TRY(next_frame(captured, stop));
   if (!frame && (frame = pool_.take()))
     std::swap(frame->captured, scratch_);  // a frame became free meanwhile
   if (!frame) {
@@ -186,6 +187,10 @@ std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop)
   if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout)
     return LiveEnd::Timeout;
   return std::nullopt;
+}
+
+bool LiveSession::is_to_end(const std::atomic<bool>& stop) const {
+  return ending_ || reason_to_end(stop).has_value();
 }
 
 Duration LiveSession::emitted(std::uint64_t sequence) {

@@ -143,8 +143,8 @@ class LiveSession {
 
   void capture_frames(const std::atomic<bool>& stop);
   Result<void> capture_until_end(const std::atomic<bool>& stop);
-  Result<void> capture_one();
-  Result<void> next_frame(CapturedFrame& captured);
+  Result<void> capture_one(const std::atomic<bool>& stop);
+  Result<void> next_frame(CapturedFrame& captured, const std::atomic<bool>& stop);
   Result<void> may_record_under_lock() const;
   Result<void> finish_recordings();
   void end();
@@ -156,6 +156,7 @@ class LiveSession {
   Result<void> adopt_cycle(std::span<const Exposure> cycle);
   std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording, StartedBy started_by);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
+  bool is_to_end(const std::atomic<bool>& stop) const;
 
   CaptureStage& capture_;
   const LiveOptions options_;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "tests/allocation_checks.h"
 #include "tests/capture/misbehaving_camera.h"
@@ -66,6 +67,42 @@ TEST_CASE("lost frames are counted, and the frame after them says so", "[capture
   const auto after = (*stage)->next(frame);
   REQUIRE_FALSE(after.ok());
   CHECK(after.error().code == ErrorCode::Interrupted);
+}
+
+class SilentCamera : public MisbehavingCamera {
+ public:
+  using MisbehavingCamera::MisbehavingCamera;
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    waits.push_back(timeout);
+    return Error{ErrorCode::Timeout, "no frame came"};
+  }
+
+  std::vector<Duration> waits;
+};
+
+TEST_CASE("while no frame comes, whether the run is to end is asked every two seconds", "[capture]") {
+  SilentCamera sensor({}, {});
+  CaptureOptions options;
+  options.patience = 7s;
+  auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, options);
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  int asked = 0;
+  const auto ended = (*stage)->next(frame, [&asked] { return ++asked == 2; });
+  REQUIRE_FALSE(ended.ok());
+  CHECK(ended.error().code == ErrorCode::Interrupted);
+  CHECK(sensor.waits == std::vector<Duration>{2s, 2s});
+
+  sensor.waits.clear();
+  const auto silent = (*stage)->next(frame, [] { return false; });
+  REQUIRE_FALSE(silent.ok());
+  CHECK(silent.error().code == ErrorCode::Timeout);
+  CHECK(silent.error().message == "no frame came, nor in the 6 s before");
+  CHECK(sensor.waits == std::vector<Duration>{2s, 2s, 2s, 1s});
+
+  sensor.waits.clear();
+  CHECK((*stage)->next(frame).error().message == "no frame came");
+  CHECK(sensor.waits == std::vector<Duration>{7s});
 }
 
 TEST_CASE("the response of the fit makes the proof exact", "[capture]") {

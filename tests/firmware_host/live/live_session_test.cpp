@@ -106,6 +106,21 @@ class CameraWithoutMemoryForCycle : public FaultyCamera {
   bool between_frames_ = false;
 };
 
+// Delivers nothing; a wait takes a quarter of its time.
+class SilentCamera : public FaultyCamera {
+ public:
+  explicit SilentCamera(std::unique_ptr<Camera> inner) : FaultyCamera(std::move(inner), {}) {}
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    waits_ = true;
+    std::this_thread::sleep_for(timeout / 4);
+    return Error{ErrorCode::Timeout, "no frame came"};
+  }
+  bool waits() const { return waits_; }
+
+ private:
+  std::atomic<bool> waits_{false};
+};
+
 void check_sums(const LiveCounters& counters) {
   CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.in_fit);
   CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
@@ -221,6 +236,23 @@ TEST_CASE("a run ends when its time is up, and when it is told to") {
     CHECK(frames >= 10);
     check_sums(session.counters());
   }
+}
+
+TEST_CASE("a run on a slow camera that delivers no frame ends when it is told to, not when it gives up") {
+  const Simulation simulation = value_of(simulation_of("still?size=64x48&fps=1"));
+  SilentCamera camera(std::make_unique<SimulatedCamera>(simulation, SimTime(), 1));
+  CaptureOptions options;
+  options.mode = {PixelFormat::Rgb24, simulation.width, simulation.height, simulation.frame_duration()};
+  options.patience = std::chrono::seconds(10);
+  const auto capture = value_of(CaptureStage::open(camera, nullptr, kCycle, Mains::Off, options));
+  std::atomic<bool> stop{false};
+  LiveSession session(*capture, nullptr, {});
+  require_done(session.start(stop));
+  CHECK(test::becomes_true([&] { return camera.waits(); }));
+  stop = true;
+  while (session.next({})) {
+  }
+  CHECK(value_of(session.finish()) == LiveEnd::Stopped);
 }
 
 TEST_CASE("who asks for a cycle while a run ends hears so with its last frame, not after seconds") {
