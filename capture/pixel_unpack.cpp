@@ -63,10 +63,14 @@ class YuvToRgb {
   int red_of_v_, green_of_u_, green_of_v_, blue_of_u_;
 };
 
-void unpack_yuyv(const std::byte* in, int y, const YuvToRgb& rgb, Image<std::uint16_t>& codes) {
+// luma: the first of its bytes, 0 or 1; chroma has the others.
+void unpack_pairs(const std::byte* in, std::size_t luma, int y, const YuvToRgb& rgb,
+                  Image<std::uint16_t>& codes) {
+  const std::size_t chroma = 1 - luma;
   for (int x = 0; x < codes.cols(); x += 2, in += 4) {
-    rgb.convert(byte(in, 0), byte(in, 1), byte(in, 3), codes, y, x);
-    rgb.convert(byte(in, 2), byte(in, 1), byte(in, 3), codes, y, x + 1);
+    const int u = byte(in, chroma), v = byte(in, chroma + 2);
+    rgb.convert(byte(in, luma), u, v, codes, y, x);
+    rgb.convert(byte(in, luma + 2), u, v, codes, y, x + 1);
   }
 }
 
@@ -104,6 +108,7 @@ void unpack_raw(const std::byte* in, Packing packing, int bits, std::span<std::u
     case Packing::Rgb:
     case Packing::Bgr:
     case Packing::Yuyv:
+    case Packing::Uyvy:
     case Packing::Nv12:
     case Packing::Jpeg:
       break;
@@ -171,7 +176,10 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
         unpack_rgb(row, y, 2, 0, codes);
         break;
       case Packing::Yuyv:
-        unpack_yuyv(row, y, rgb, codes);
+        unpack_pairs(row, 0, y, rgb, codes);
+        break;
+      case Packing::Uyvy:
+        unpack_pairs(row, 1, y, rgb, codes);
         break;
       case Packing::Nv12:
         unpack_nv12(row, buffer.pixels.data() + static_cast<std::size_t>(height + y / 2) * stride, y, rgb,

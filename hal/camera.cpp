@@ -12,6 +12,7 @@ constexpr struct {
 } kNames[] = {{Rgb24, "RGB24"},
               {Bgr24, "BGR24"},
               {Yuyv, "YUYV"},
+              {Uyvy, "UYVY"},
               {Nv12, "NV12"},
               {Mjpeg, "MJPEG"},
               {Grey8, "GREY8"},

@@ -28,6 +28,7 @@ enum class PixelFormat {
   Rgb24,
   Bgr24,
   Yuyv,
+  Uyvy,
   Nv12,
   Mjpeg,
   Grey8,

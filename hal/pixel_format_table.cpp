@@ -21,6 +21,8 @@ PixelPacking packing_of(PixelFormat format) {
       return {Packing::Bgr};
     case Yuyv:
       return {Packing::Yuyv};
+    case Uyvy:
+      return {Packing::Uyvy};
     case Nv12:
       return {Packing::Nv12};
     case Mjpeg:
@@ -86,6 +88,7 @@ std::size_t row_bytes(Packing packing, int width) {
     case Packing::Bgr:
       return pixels * 3;
     case Packing::Yuyv:
+    case Packing::Uyvy:
     case Packing::Words:
       return pixels * 2;
     case Packing::Mipi10:
@@ -107,7 +110,8 @@ std::size_t picture_bytes(Packing packing, int width, int height, std::size_t st
 
 int sharing(Packing packing) {
   if (packing == Packing::Mipi10) return 4;
-  return packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Mipi12 ? 2 : 1;
+  const bool yuv = packing == Packing::Yuyv || packing == Packing::Uyvy || packing == Packing::Nv12;
+  return yuv || packing == Packing::Mipi12 ? 2 : 1;
 }
 
 }  // namespace hdrcam

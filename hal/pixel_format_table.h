@@ -10,7 +10,7 @@
 namespace hdrcam {
 
 // Words: 16 bits, little endian. Mipi10, Mipi12: the high bytes of a group of pixels, then their low bits.
-enum class Packing { Rgb, Bgr, Yuyv, Nv12, Jpeg, Bytes, Words, Mipi10, Mipi12 };
+enum class Packing { Rgb, Bgr, Yuyv, Uyvy, Nv12, Jpeg, Bytes, Words, Mipi10, Mipi12 };
 
 struct PixelPacking {
   Packing packing = Packing::Rgb;

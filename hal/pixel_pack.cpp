@@ -37,7 +37,9 @@ void pack_mipi12(const std::uint16_t* codes, int cols, std::byte* out) {
 
 std::optional<PackedFormat> packed_format(PixelFormat format) {
   const auto [packing, layout, bits] = packing_of(format);
-  if (packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Jpeg) return std::nullopt;
+  if (packing == Packing::Yuyv || packing == Packing::Uyvy || packing == Packing::Nv12 ||
+      packing == Packing::Jpeg)
+    return std::nullopt;
   return PackedFormat{layout, bits, sharing(packing)};
 }
 
@@ -79,6 +81,7 @@ void pack_codes(const Image<std::uint16_t>& codes, PixelFormat format, std::span
         break;
       case Packing::Bytes:
       case Packing::Yuyv:  // YUV and JPEG are not packed
+      case Packing::Uyvy:
       case Packing::Nv12:
       case Packing::Jpeg:
         for (int x = 0; x < codes.cols(); ++x) out[x] = low(row[x]);

@@ -25,6 +25,7 @@ int chroma_rank(PixelFormat format) {
     case PixelFormat::Bgr24:
       return 3;
     case PixelFormat::Yuyv:
+    case PixelFormat::Uyvy:
       return 2;
     case PixelFormat::Nv12:
       return 1;

@@ -16,6 +16,7 @@ constexpr Row kRows[] = {
     {PixelFormat::Rgb24, libcamera::formats::BGR888},
     {PixelFormat::Bgr24, libcamera::formats::RGB888},
     {PixelFormat::Yuyv, libcamera::formats::YUYV},
+    {PixelFormat::Uyvy, libcamera::formats::UYVY},
     {PixelFormat::Nv12, libcamera::formats::NV12},
     {PixelFormat::Mjpeg, libcamera::formats::MJPEG},
     {PixelFormat::Grey8, libcamera::formats::R8},

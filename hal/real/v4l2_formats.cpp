@@ -18,6 +18,7 @@ constexpr Row kRows[] = {
     {PixelFormat::Rgb24, V4L2_PIX_FMT_RGB24, MEDIA_BUS_FMT_RGB888_1X24},
     {PixelFormat::Bgr24, V4L2_PIX_FMT_BGR24, MEDIA_BUS_FMT_BGR888_1X24},
     {PixelFormat::Yuyv, V4L2_PIX_FMT_YUYV, MEDIA_BUS_FMT_YUYV8_1X16},
+    {PixelFormat::Uyvy, V4L2_PIX_FMT_UYVY, MEDIA_BUS_FMT_UYVY8_1X16},
     {PixelFormat::Nv12, V4L2_PIX_FMT_NV12, 0},
     {PixelFormat::Mjpeg, V4L2_PIX_FMT_MJPEG, 0},
     {PixelFormat::Grey8, V4L2_PIX_FMT_GREY, MEDIA_BUS_FMT_Y8_1X8},

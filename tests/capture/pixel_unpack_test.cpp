@@ -177,6 +177,22 @@ TEST_CASE("YUV becomes RGB as the camera states its matrix and range - unless th
   }
 }
 
+TEST_CASE("UYVY is YUYV with luma and chroma in the other order", "[capture]") {
+  Bytes yuyv, uyvy;
+  for (int pair = 0; pair < 6; ++pair) {
+    const int y0 = 40 + 30 * pair, u = 90 + 10 * pair, y1 = 50 + 25 * pair, v = 180 - 12 * pair;
+    for (const int value : {y0, u, y1, v}) yuyv.put(value);
+    for (const int value : {u, y0, v, y1}) uyvy.put(value);
+  }
+  Image<std::uint16_t> a, b;
+  REQUIRE(unpack_pixels(buffer_of(PixelFormat::Yuyv, 6, 2, yuyv.data), {}, a).ok());
+  REQUIRE(unpack_pixels(buffer_of(PixelFormat::Uyvy, 6, 2, uyvy.data), {}, b).ok());
+  CHECK(a.at(0, 0, 0) != a.at(0, 0, 1));
+  CHECK(std::ranges::equal(a.samples(), b.samples()));
+  CHECK(unpack_pixels(buffer_of(PixelFormat::Uyvy, 3, 2, uyvy.data), {}, b).error().code ==
+        ErrorCode::Invalid);
+}
+
 TEST_CASE("MJPEG goes through the decoder that was supplied", "[capture]") {
   const std::byte jpeg[] = {std::byte{0xff}, std::byte{0xd8}};
   Image<std::uint16_t> out;

@@ -50,4 +50,5 @@ TEST_CASE("a format is found for the codes of a recording and holds them") {
   CHECK_FALSE(format_for(PixelLayout::BayerRggb, 9));
   CHECK_FALSE(packed_format(PixelFormat::Mjpeg));
   CHECK_FALSE(packed_format(PixelFormat::Nv12));
+  CHECK_FALSE(packed_format(PixelFormat::Uyvy));
 }

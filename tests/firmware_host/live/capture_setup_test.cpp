@@ -58,6 +58,7 @@ TEST_CASE("of a mono sensor the most bits are taken, but of a camera that has co
   CHECK(taken_of({Grey8, Grey10Packed}) == "GREY10P");
   CHECK(taken_of({Grey12, Mjpeg, Grey8}) == "MJPEG");
   CHECK(taken_of({Grey12, Nv12, Bggr10, Rgb24}) == "BGGR10");
+  CHECK(taken_of({Mjpeg, Nv12, Uyvy}) == "UYVY");
 }
 
 TEST_CASE("a format that is set is taken, whatever the size") {
