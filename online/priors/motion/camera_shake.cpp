@@ -12,11 +12,11 @@ namespace hdrcam {
 namespace {
 
 constexpr int kLeastSide = 15, kMostSide = 135;  // pixels: the shorter side of the coarsest, the finest level
-constexpr int kSquare = 32;                      // pixels of full size: the side of the chessboard's squares
-constexpr std::size_t kSmallPicture = 5000;      // pixels
-constexpr std::size_t kFewestEdges = 30;         // pixels of a level and half
-constexpr float kHardlyMoved = 0.5f;             // pixels: patches find that themselves
-constexpr double kAgreed = 0.65;                 // of what both say: how far the halves may be apart
+constexpr int kSquare = 16;  // pixels of the finest level: the side of the chessboard's squares
+constexpr std::size_t kSmallPicture = 5000;  // pixels
+constexpr std::size_t kFewestEdges = 30;     // pixels of a level and half
+constexpr float kHardlyMoved = 0.5f;         // pixels: patches find that themselves
+constexpr double kAgreed = 0.65;             // of what both say: how far the halves may be apart
 
 void halve(const Image<float>& picture, Image<float>& half) {
   const int rows = picture.rows() / 2, cols = picture.cols() / 2;
@@ -71,6 +71,7 @@ CameraShake::CameraShake(int rows, int cols) : farthest_px_(static_cast<float>(r
   }
   for (const Level& level : levels_) {
     if (!level.is_compared()) continue;
+    if (square_px_ == 0) square_px_ = kSquare << level.scale;
     const std::size_t most = level.frame.plane_size();
     for (Half& half : halves_)
       half.edges.reserve(most), half.differences.reserve(most), half.sorted.reserve(most);
@@ -144,7 +145,7 @@ void CameraShake::find_edges(int half, const Level& level, const Image<float>& p
   for (int y = 1; y < rows - 1; ++y)
     for (int x = 1; x < cols - 1; ++x) {
       const int full_x = x << level.scale, full_y = y << level.scale;
-      if ((full_x / kSquare + full_y / kSquare) % 2 != half) continue;
+      if ((full_x / square_px_ + full_y / square_px_) % 2 != half) continue;
       const float code = state.at(0, y, x);
       const Offset slope = slope_at(y, x);
       if (code > clip_policy::kMotionShare.brightest) continue;

@@ -53,6 +53,7 @@ class CameraShake {
   static bool approach(const Level& level, Half& half, Told& told);
 
   const float farthest_px_;
+  int square_px_ = 0;          // the side of the chessboard's squares
   std::vector<Level> levels_;  // from fine to coarse; the coarser ones are compared
   std::array<Half, 2> halves_;
 };

@@ -37,6 +37,14 @@ Image<float> motion_of(Offset vector) {
   return motion;
 }
 
+// Each pixel as a square of so many.
+Image<float> enlarged(const Image<float>& picture, int side) {
+  Image<float> large(1, side * picture.rows(), side * picture.cols());
+  for (int y = 0; y < large.rows(); ++y)
+    for (int x = 0; x < large.cols(); ++x) large.at(0, y, x) = picture.at(0, y / side, x / side);
+  return large;
+}
+
 void check_near(Offset found, Offset expected) {
   CHECK(found.x == Approx(expected.x).margin(0.2));
   CHECK(found.y == Approx(expected.y).margin(0.2));
@@ -53,6 +61,20 @@ TEST_CASE("a picture that has moved as a whole is followed through noise as stro
       const Image<float> state = picture({0, 0}, 0, 1), frame = picture(moved, noise_codes, 2);
       check_near(shake.measure(frame, state, motion_of({0, 0}), 1, pool), {-moved.x, -moved.y});
     }
+}
+
+TEST_CASE("a large picture is asked in the same halves as a small one, and tells the same shake") {
+  WorkerPool pool(1);
+  const Image<float> state = picture({0, 0}, 0, 1), frame = picture({3, -1}, 6, 2);
+  const auto shake_of = [&](int side) {
+    CameraShake shake(side * kRows, side * kCols);
+    const Image<float> at_rest(2, side * kRows, side * kCols);
+    return shake.measure(enlarged(frame, side), enlarged(state, side), at_rest, 1, pool);
+  };
+  const Offset small = shake_of(2), large = shake_of(4);
+  check_near(0.5f * small, {-3, 1});
+  CHECK(large.x == Approx(2 * small.x).margin(1e-4));
+  CHECK(large.y == Approx(2 * small.y).margin(1e-4));
 }
 
 TEST_CASE("what is predicted is no shake, for whatever step it was predicted") {
