@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -70,19 +71,6 @@ Agreement agreement(const HistogramMatches::OfChannel& matches, float black_leve
   return agreed;
 }
 
-// Of the curve of one channel that fits best at this black level, exposures as stated.
-CurveMisfit misfit_at(float black_level, const HistogramMatches::OfChannel& matches,
-                      const std::vector<int>& keys, const NoiseModel& noise) {
-  const Vector as_stated = Vector::Zero(shared_unknowns::count(keys));
-  Vector g = curve_prior().mean;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Agreement agreed = agreement(matches, black_level, {noise}, g, {keys, as_stated});
-    g = agreed.A.llt().solve(agreed.b);
-    make_rising(g);
-  }
-  return agreement(matches, black_level, {noise}, g, {keys, as_stated}).misfit;
-}
-
 // What the channels share.
 struct SharedFit {
   Vector shared;                   // shared_unknowns.h
@@ -108,12 +96,45 @@ struct SharedSquares {
   Vector q;
 };
 
-// The shared unknowns on which the channels and the prior agree best.
-Vector agreed_on(const Matrix& prior_precision, const std::array<SharedSquares, 3>& channels) {
+// A channel's equations without its curve, which goes by the shared.
+struct CurveOfShared {
+  Vector alone;
+  Matrix change;  // with the shared
+  SharedSquares shared;
+
+  explicit CurveOfShared(const CurveSquares& squares) {
+    const Eigen::LLT<Matrix> factor(squares.A);
+    alone = factor.solve(squares.b), change = factor.solve(squares.B);
+    shared = {squares.C - squares.B.transpose() * change, squares.d - change.transpose() * squares.b};
+  }
+  Vector at(const Vector& e) const {
+    Vector g = alone - change * e;
+    make_rising(g);
+    return g;
+  }
+};
+
+// The shared unknowns on which channels and the prior agree best.
+Vector agreed_on(const Matrix& prior_precision, std::span<const SharedSquares> channels) {
   Matrix Q = prior_precision;
   Vector q = Vector::Zero(Q.rows());
   for (const SharedSquares& channel : channels) Q += channel.Q, q += channel.q;
   return Q.ldlt().solve(q);
+}
+
+// Of the curve of one channel, and of what stated exposures are off, that fit best at this black level.
+CurveMisfit misfit_at(float black_level, const HistogramMatches::OfChannel& matches,
+                      const std::vector<int>& keys, const NoiseModel& noise) {
+  const Matrix prior = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Fitted);
+  Vector g = curve_prior().mean, e = Vector::Zero(prior.rows());
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const CurveOfShared curve(agreement(matches, black_level, {noise}, g, {keys, e}));
+    e = agreed_on(prior, {&curve.shared, 1});
+    g = curve.at(e);
+  }
+  CurveMisfit misfit = agreement(matches, black_level, {noise}, g, {keys, e}).misfit;
+  misfit.of_matches += e.dot(prior * e);
+  return misfit;
 }
 
 bool shows_noise(const std::array<std::vector<NoiseLevel>, 3>& levels) {
@@ -130,26 +151,18 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
   Fit fit{{Vector::Zero(shared_precision.rows()), {}}, {}};
   for (Fit::Curve& curve : fit.curves) curve = {curve_prior().mean, {}};
   for (int iteration = 0; iteration < (noise_shown ? kIterationsWithNoise : kIterations); ++iteration) {
-    std::array<Vector, 3> alone;  // curves, and their change with the shared
-    std::array<Matrix, 3> change;
+    std::array<std::optional<CurveOfShared>, 3> curves;
     std::array<SharedSquares, 3> of_shared;
     for_each_channel(pool, [&](std::size_t c) {
       Fit::Curve& curve = fit.curves[c];
       const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
       Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, {keys, fit.shared});
       add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), shared_unknowns::kFullWell, agreed);
-      const Eigen::LLT<Matrix> factor(agreed.A);
-      alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
-      of_shared[c] = {agreed.C - agreed.B.transpose() * change[c],
-                      agreed.d - change[c].transpose() * agreed.b};
+      of_shared[c] = curves[c].emplace(agreed).shared;
       curve.precision = std::move(agreed).take_precision();
     });
     fit.shared = agreed_on(shared_precision, of_shared);
-    for (std::size_t c = 0; c < 3; ++c) {
-      Vector& g = fit.curves[c].g;
-      g = alone[c] - change[c] * fit.shared;
-      make_rising(g);
-    }
+    for (std::size_t c = 0; c < 3; ++c) fit.curves[c].g = curves[c]->at(fit.shared);
     if (noise_shown) fit.seen = noise_model(fit.noise(), noise.code_step);
   }
   return fit;

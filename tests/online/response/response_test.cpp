@@ -247,6 +247,18 @@ TEST_CASE("an exposure that is not the stated one is found with the response") {
   CHECK(estimated(two).exposures.corrected(two[1].exposure) == Approx(two[1].exposure).epsilon(1e-3));
 }
 
+TEST_CASE("an exposure that is far from the stated one is no sign of a black level") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  for (const float stops : {-0.4f, -0.3f, 0.3f, 0.4f}) {
+    CAPTURE(stops);
+    auto frames = exposed(scene, 6);
+    for (std::size_t i = 1; i < frames.size(); i += 3) frames[i].exposure *= std::exp2(stops);
+    const ResponseEstimate estimate = estimated(frames);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == 0);
+  }
+}
+
 TEST_CASE("under a known response exposures are found as they are, and the noise with them") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
