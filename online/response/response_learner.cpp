@@ -16,6 +16,14 @@ long pause_after(long frames, long least) {
   return std::clamp(frames / 2, least, kMost);
 }
 
+// What the frame states, in its codes, whose white is 255 whatever the camera's is.
+std::optional<BlackLevel> stated_black(const ExposedFrame& frame) {
+  std::optional<BlackLevel> black = frame.facts.black_level;
+  if (black && !frame.white.is_largest_code())
+    for (std::size_t c = 0; c < 3; ++c) black->set(c, (*black)[c] * (kMaxCode / frame.white[c]));
+  return black;
+}
+
 // On a thread of its own; where the system has none to give, by whoever asks for the result.
 template <class Fit>
 std::future<ResponseEstimate> started(const Fit& fit) {
@@ -29,7 +37,7 @@ std::future<ResponseEstimate> started(const Fit& fit) {
 }  // namespace
 
 void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* before) {
-  if (before == nullptr) estimator_ = ResponseEstimator(frame.facts.black_level, options_.code_step);
+  if (before == nullptr) estimator_ = ResponseEstimator(stated_black(frame), options_.code_step);
   estimator_.add_noise(frame);
   if (before == nullptr) return;
   ExposedFrame restored;

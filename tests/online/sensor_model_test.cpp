@@ -157,6 +157,28 @@ TEST_CASE("of a camera that clips below the largest code the response is found u
   CHECK(sensor.camera_response().exposure_of(1, kWhite) == Approx(1).epsilon(0.01));
 }
 
+TEST_CASE("of a camera that clips below the largest code the black level is the one that it states") {
+  constexpr double kBlack = 16, kWhite = 204;
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.sensitivity = 700;
+  WorkerPool pool(1);
+  const Knobs options = state_alone();
+  OnlineStream stream(scene.camera(), options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 8; ++i) {
+    RawFrame raw = scene.frame(i);
+    raw.facts.black_level = BlackLevel(kBlack);
+    for (std::uint16_t& code : raw.codes.samples())
+      code = static_cast<std::uint16_t>(std::lround(kBlack + (kWhite - kBlack) / 255 * code));
+    REQUIRE(stream.take(raw, options.budget, ignore).ok());
+  }
+  const SensorModel& sensor = stream.online().sensor();
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(sensor.camera_white_level()[c] == Approx(kWhite).margin(1));
+    CHECK(sensor.camera_black_level()[c] == Approx(kBlack).margin(0.01));
+  }
+}
+
 TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
   test::MovingScene scene;
   scene.rows = 72, scene.cols = 96;
