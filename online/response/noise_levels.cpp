@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/clip_policy.h"
+#include "capture/to_exposed_frame.h"
 #include "hal/core/median.h"
 
 namespace hdrcam {
@@ -92,6 +93,9 @@ struct NoiseLevels::Bin {
   std::size_t tiles;
 };
 
+NoiseLevels::NoiseLevels(float code_step, int bits)
+    : code_step_(code_step), least_variance_(code_scale(bits) * code_scale(bits) / 4) {}
+
 void NoiseLevels::add(const ExposedFrame& frame) {
   constexpr float kSameGain = 0.01f;
   if ((frame.facts.flags & kFrameDamaged) != 0) return;
@@ -137,10 +141,9 @@ void NoiseLevels::add_tile(const Image<float>& codes, int y0, int x0) {
 
 // What the tiles with the least contrast show; none where they are too few or their noise is below what a
 // code resolves.
-std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
+std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) const {
   constexpr std::size_t kLeastTiles = 24, kLeastFlat = 12;
-  constexpr float kFlatShare = 0.2f;       // of the tiles
-  constexpr float kLeastVariance = 0.25f;  // codes^2, with quantisation
+  constexpr float kFlatShare = 0.2f;  // of the tiles
   if (tiles.size() < kLeastTiles) return {};
   const auto flat =
       std::max(kLeastFlat, static_cast<std::size_t>(kFlatShare * static_cast<float>(tiles.size())));
@@ -154,7 +157,7 @@ std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
     return median(values);
   };
   Bin bin{0, median_of(&Tile::variance), 0, 0, flat};
-  if (!(bin.variance > kLeastVariance)) return {};
+  if (!(bin.variance > least_variance_)) return {};
   bin.coarse = std::sqrt(median_of(&Tile::coarse) / bin.variance);
   for (const Tile& tile : tiles) bin.code += tile.code / static_cast<float>(flat);
   for (std::size_t k = 0; k < 2; ++k) {

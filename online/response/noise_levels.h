@@ -21,8 +21,9 @@ struct NoiseLevel {
 
 class NoiseLevels {
  public:
-  // code_step: of the quantiser, in codes of 255
-  explicit NoiseLevels(float code_step = 1) : code_step_(code_step) {}
+  // code_step: of the quantiser, in codes of 255; 0 where its steps are even in light, not in codes. bits: of
+  // the camera's codes.
+  explicit NoiseLevels(float code_step = 1, int bits = 8);
 
   // Frames of one gain count: that of the first; damaged ones do not. Unpacked without a black level. What
   // many frames have shown of a brightness is enough.
@@ -43,10 +44,11 @@ class NoiseLevels {
   struct Bin;  // of brightness
 
   void add_tile(const Image<float>& codes, int y0, int x0);
-  static std::optional<Bin> flattest(std::vector<Tile> tiles);
+  std::optional<Bin> flattest(std::vector<Tile> tiles) const;
 
   float code_step_;
-  float gain_ = 0;  // of the frames; 0: none yet
+  float least_variance_;  // codes^2, with quantisation: of less, quantisation is too much
+  float gain_ = 0;        // of the frames; 0: none yet
   std::array<std::array<std::vector<Tile>, kBins>, 3> tiles_;
 };
 

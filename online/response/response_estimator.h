@@ -49,9 +49,10 @@ enum class ResponseModel {
 class ResponseEstimator {
  public:
   // black_level: as the camera or user states it; none: it is estimated too.
-  // code_step: of the quantiser, in codes of 255.
-  explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt, float code_step = 1)
-      : stated_black_(black_level), noise_levels_(code_step) {}
+  // code_step, bits: of the quantiser (noise_levels.h).
+  explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt, float code_step = 1,
+                             int bits = 8)
+      : stated_black_(black_level), noise_levels_(code_step, bits) {}
 
   // Frames come with their black level in them, unless the response is known (estimate_under).
 

@@ -37,7 +37,8 @@ std::future<ResponseEstimate> started(const Fit& fit) {
 }  // namespace
 
 void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* before) {
-  if (before == nullptr) estimator_ = ResponseEstimator(stated_black(frame), options_.code_step);
+  if (before == nullptr)
+    estimator_ = ResponseEstimator(stated_black(frame), options_.code_step, options_.bits);
   estimator_.add_noise(frame);
   if (before == nullptr) return;
   ExposedFrame restored;

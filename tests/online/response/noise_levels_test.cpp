@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/demosaic.h"
+#include "capture/to_exposed_frame.h"
 #include "online/response/response_estimator.h"
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
@@ -87,6 +88,38 @@ TEST_CASE("the spread of codes is that of the sensor's noise over the slope of t
       INFO("gamma " << exponent << ", channel " << c << ", " << channel.size() << " levels");
       CHECK(std::sqrt(square / static_cast<double>(channel.size())) < 0.12);
     }
+  }
+}
+
+TEST_CASE("noise that codes of 8 bits hide is found where codes have 12 bits") {
+  constexpr double kLargeWell = 3e5;  // electrons: its noise is a quarter of a code of 8 bits
+  const Response response = Response::gamma(2.2f);
+  const auto shot = [&](double light) { return std::sqrt(light / kLargeWell); };
+  const auto levels_of = [&](int bits) {
+    const float step = code_scale(bits);
+    NoiseLevels noise(step, bits);
+    for (int i = 0; i < 6; ++i) {
+      ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
+        const double scene = std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
+        const double light = std::min(1.0, (i % 2 == 0 ? 0.06 : 1) * scene);
+        const double seen = std::clamp(light + noise_at(i, c, y, x) * shot(light), 0.0, 1.0);
+        return std::round(response.code_of(c, static_cast<float>(seen)) / step) * step;
+      });
+      frame.index = i;
+      noise.add(frame);
+    }
+    return noise.levels();
+  };
+  for (const auto& channel : levels_of(8)) CHECK(channel.empty());
+  for (const auto& channel : levels_of(12)) {
+    REQUIRE(channel.size() >= 8);
+    double square = 0;
+    for (const NoiseLevel& level : channel) {
+      const double x = static_cast<double>(response.exposure_of(0, level.code));
+      const double expected = shot(x) / static_cast<double>(response.slope(0, level.code));
+      square += std::pow(std::log(static_cast<double>(level.spread) / expected), 2);
+    }
+    CHECK(std::sqrt(square / static_cast<double>(channel.size())) < 0.12);
   }
 }
 
