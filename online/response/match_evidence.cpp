@@ -17,9 +17,12 @@ double variance_of(const Knots& code, const Eigen::VectorXd& g, const MatchNoise
   constexpr double kLeftByMedians = 0.18;  // of the variance of white noise (neighbour_medians.h)
   const double slope = code.slope(g), x = std::exp(code.of(g) - g[kFullKnot]);
   const double relative = static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
-  if (!noise.is_own) return slope * slope / 12 + 0.5 * relative;
+  // where steps are even in light there is no one step of a code
+  const double step = noise.model.code_step > 0 ? static_cast<double>(noise.model.code_step) : 1;
+  const double quantised = slope * slope * step * step / 12;
+  if (!noise.is_own) return quantised + 0.5 * relative;
   const double left = kLeftByMedians * relative;
-  return slope * slope / 12 + 0.5 * left + kWidened * left * left;
+  return quantised + 0.5 * left + kWidened * left * left;
 }
 
 // g at one code less g at another.

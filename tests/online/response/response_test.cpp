@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "capture/to_exposed_frame.h"
+#include "online/response/curve_prior.h"
 #include "online/response/histogram_matches.h"
+#include "online/response/match_evidence.h"
 #include "online/response/response_estimator.h"
 #include "online/response/response_learner.h"
 #include "tests/support/coded_frame.h"
@@ -430,6 +432,22 @@ TEST_CASE("black levels differ by channel, and compression makes some pixels dar
   const auto estimate = estimated(frames);
   for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == Approx(kBlack[c]).margin(0.5));
   CHECK(response_error(estimate.response, response) < 0.01);
+}
+
+TEST_CASE("dark codes of more bits are matched as finely as they are") {
+  const std::vector<int> keys{0, 64};  // a stop apart
+  HistogramMatches::OfChannel matches;
+  CodeMatches& pair = matches[{keys[0], keys[1]}];
+  pair.log_ratio = -std::log(2);
+  pair.codes = {{4, 8}};
+  const Eigen::VectorXd as_stated = Eigen::VectorXd::Zero(shared_unknowns::count(keys));
+  const auto told_by = [&](float code_step) {
+    const NoiseModel quiet{.full_well = 1e7f, .read_noise = 0, .code_noise = 0, .code_step = code_step};
+    CurveSquares squares(as_stated.size());
+    add_match_evidence(matches, 0, {quiet, true}, curve_prior().mean, {keys, as_stated}, squares);
+    return squares.A(3, 3);  // of code 4
+  };
+  CHECK(told_by(1 / 16.f) > 4 * told_by(1));
 }
 
 TEST_CASE("pairs that say nothing are left out") {
