@@ -150,12 +150,12 @@ void SensorModel::follow_light(ExposedFrame& frame, const FlowField& motion, flo
   if (light != 0) frame.exposure *= std::exp(light);
 }
 
-// Whether a frame tells of noise and blur: every one at first; every fifth later, so that each pair of a
-// cycle of up to four has its turn.
+// Whether a frame tells of noise and blur: every one at first, a fifth of them later, so that each pair of a
+// cycle of four has its turn, and a frame later after five of these, for cycles of five.
 bool SensorModel::looks_closely(const ExposedFrame& frame) const {
   constexpr int kEagerFrames = 24, kLaterEvery = 5;
   const int age = frame.index - begun_with_;
-  return age < kEagerFrames || age % kLaterEvery == 0;
+  return age < kEagerFrames || (age - age / (kLaterEvery * kLaterEvery)) % kLaterEvery == 0;
 }
 
 bool SensorModel::learns_noise(const ExposedFrame& frame) const {

@@ -116,6 +116,21 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
   CHECK(stream.online().sensor().noise().full_well < 2000);
 }
 
+TEST_CASE("each frame of a cycle tells of the noise again and again, however many the cycle has") {
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  const Knobs options = state_alone();
+  const auto state = make_state_layer(options.state, scene.rows, scene.cols, pool, nullptr);
+  const SensorModel sensor(options, scene.camera(), Response::gamma(scene.gamma), *state, pool);
+  for (int slots = 1; slots <= 6; ++slots) {
+    std::vector<int> looks(static_cast<std::size_t>(slots));
+    ExposedFrame frame;
+    for (frame.index = 100; frame.index < 700; ++frame.index)
+      if (sensor.learns_noise(frame)) ++looks[static_cast<std::size_t>(frame.index % slots)];
+    for (const int count : looks) CHECK(count * slots >= 90);
+  }
+}
+
 TEST_CASE("under a known response the black level is the first frame's, which is removed of all") {
   const test::MovingScene scene;
   WorkerPool pool(1);
