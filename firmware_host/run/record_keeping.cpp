@@ -62,6 +62,12 @@ void note_errors(const SensorModel& sensor, RunRecord& record) {
     record.notes.push_back(fmt::format("{}: a sample's variance has {:.0f} % of the local contrast",
                                        cause_of_texture_error(share, sensor.texture_error_of_mosaic()),
                                        100 * share));
+  if (const double stops = sensor.light_spread_stops(); stops > 0)
+    record.notes.push_back(
+        fmt::format("light: frames of one exposure differ by {:.2f} stops (rms), as under lamps on the "
+                    "mains; each frame's own "
+                    "light counts as its exposure (--set light=steady if it does not)",
+                    stops));
   if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
@@ -131,6 +137,7 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.response = curves_of(sensor.camera_response());
   record.response_prior = prior_mean_response().inverse(1);
   record.exposures = sensor.exposures().learned();
+  record.light_spread_stops = sensor.light_spread_stops();
   if (online.leaves_out_given_poses())
     record.notes.emplace_back(
         "poses: the first frame states none, so they are tracked; those that later frames state have no "

@@ -101,6 +101,7 @@ struct RunRecord {
   std::optional<ResponseCurves> response;         // the estimate in use at the end
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
   std::vector<ExposureCorrection> exposures;      // what pictures say about the stated ones
+  double light_spread_stops = 0;                  // SensorModel
   std::vector<ScoreRow> scores;                   // empty without ground truth
   std::uint64_t film_pixels = 0;                  // of all frames of a film
   std::uint64_t film_pixels_from_field = 0;       // those of them that no recorded frame shows

@@ -142,6 +142,7 @@ std::string to_json(const RunRecord& record) {
   if (!record.scores.empty()) json["scores"] = scores_of(record);
   if (record.response) json["response"] = *record.response;
   if (!record.exposures.empty()) json["exposures"] = exposures_of(record);
+  if (record.light_spread_stops > 0) json["light_spread_stops"] = record.light_spread_stops;
   json["notes"] = record.notes;
   std::string text = json_text(json, kBlanks);
   add_frames(record, text);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <span>
 
 #include "capture/clip_policy.h"
 #include "capture/exposure.h"
@@ -45,32 +45,43 @@ std::optional<float> FrameLight::beyond_state(const StateComparison& seen) {
 
 void FrameLight::remember(const Light& light) { recent_[count_++ % kRemembered] = light; }
 
-std::optional<float> FrameLight::unsteadiness() const {
-  constexpr std::size_t kFew = 8;
-  const std::span<const Light> all(recent_.data(), std::min(count_, kRemembered));
-  InlineList<float, kRemembered> apart;
-  for (const Light& light : all) {
-    float sum = 0, count = 0;
-    for (const Light& other : all)
-      if (std::abs(other.log_exposure - light.log_exposure) <= static_cast<float>(kSameExposure))
-        sum += other.beyond, ++count;
-    // two that differ lie on either side of their mean
-    if (count > 1) apart.push_back(std::abs(light.beyond - sum / count) * std::sqrt(count / (count - 1)));
+const FrameLight::Light& FrameLight::before(std::size_t age) const {
+  return recent_[(count_ - 1 - age) % kRemembered];
+}
+
+// From the middle of those of its exposure; 0 where there is no other.
+float FrameLight::apart(const Light& light) const {
+  InlineList<float, kRemembered> alike;
+  for (std::size_t age = 0; age < remembered(); ++age)
+    if (same_exposure(static_cast<double>(before(age).log_exposure), static_cast<double>(light.log_exposure)))
+      alike.push_back(before(age).beyond);
+  std::ranges::sort(alike);
+  return std::abs(light.beyond - (alike[(alike.size() - 1) / 2] + alike[alike.size() / 2]) / 2);
+}
+
+float FrameLight::unsteadiness() const {
+  constexpr std::size_t kParts = 3;
+  const std::size_t of_part = remembered() / kParts;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::size_t part = 0; part < kParts; ++part) {
+    float sum = 0;
+    for (std::size_t age = part * of_part; age < (part + 1) * of_part; ++age) sum += apart(before(age));
+    least = std::min(least, sum / static_cast<float>(of_part));
   }
-  if (apart.size() < kFew) return std::nullopt;
-  return median(std::span(apart.begin(), apart.end()));
+  return least;
 }
 
 float FrameLight::follow(const StateComparison& seen) {
   constexpr float kSteady = 0.015f, kUnsteady = 0.03f;  // ln; of steady light .001 to .006
+  constexpr std::size_t kFew = 8;                       // frames
   constexpr float kGoesOn = 1.f / 24;                   // share of a frame: about a second
   constexpr float kMost = 1.4f;                         // ln: two stops; what is more is no flicker
   const std::optional<float> beyond = beyond_state(seen);
   if (!beyond) return 0;
   remember({std::log(seen.frame.exposure), *beyond});
   if (count_ >= kRemembered) expected_ = false;
-  if (const auto apart = unsteadiness(); apart && !expected_) {
-    const bool now = *apart > (unsteady_ ? kSteady : kUnsteady);
+  if (count_ >= kFew && !expected_) {
+    const bool now = unsteadiness() > (unsteady_ ? kSteady : kUnsteady);
     if (now != unsteady_) goes_on_ = 0;
     unsteady_ = now;
   }

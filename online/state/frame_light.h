@@ -6,6 +6,7 @@
 // frame.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -37,8 +38,12 @@ class FrameLight {
 
   std::optional<float> beyond_state(const StateComparison& seen);
   void remember(const Light& light);
-  // How far frames differ from others of their exposure, the median; none where few have any.
-  std::optional<float> unsteadiness() const;
+  std::size_t remembered() const { return std::min(count_, kRemembered); }
+  const Light& before(std::size_t age) const;  // 0: the newest
+  float apart(const Light& light) const;
+  // How far frames differ from others of their exposure: the mean, over that third of the remembered ones
+  // where it is least, for what happens once is in two of them at most.
+  float unsteadiness() const;
 
   std::array<Light, kRemembered> recent_;
   std::size_t count_ = 0;  // so far

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
+#include <numbers>
 #include <utility>
+#include <vector>
 
 #include "tests/contracts/expect.h"
 #include "tests/support/moving_scene.h"
@@ -337,23 +340,42 @@ TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {
 
 TEST_CASE("a frame that lamps light otherwise than its neighbours keeps the exposure that is stated",
           "[capture]") {
-  // The short exposure of frame 14 in more light than those before and after it.
-  const auto in_light = [](double light, ExposureSource source) {
-    const auto scene = scene_of({0.001, 0.016}), lit = scene_of({0.001 * light});
+  // The short exposures of these frames in other light than those before and after them.
+  const auto in_light = [](const std::map<int, double>& light, ExposureSource source) {
+    const auto scene = scene_of({0.001, 0.016});
     auto frames = filmed(scene, 24);
-    frames[14].codes = lit.frame(14).codes;
+    for (const auto& [i, factor] : light)
+      frames[static_cast<std::size_t>(i)].codes = scene_of({0.001 * factor}).frame(i).codes;
     for (RawFrame& frame : frames) frame.facts.exposure_source = source;
     return judged(scene, std::move(frames));
   };
-  const Judged declared = in_light(1.5, ExposureSource::Declared);
+  const Judged declared = in_light({{14, 1.5}}, ExposureSource::Declared);
   CHECK(declared.counters.contradicted == 0);
   CHECK(declared.facts[14].verdict == Verdict::Plausible);
   CHECK(declared.facts[14].exposure_s == 0.001);
   CHECK(declared.warnings.empty());
-  CHECK(in_light(1.5, ExposureSource::Estimated).counters.estimated == 24);
-  // A camera may have exposed otherwise than it says; and no lamp makes that much of a difference.
-  CHECK(in_light(1.5, ExposureSource::Reported).facts[14].verdict == Verdict::Contradicted);
-  CHECK(in_light(2.5, ExposureSource::Declared).facts[14].verdict == Verdict::Contradicted);
+  CHECK(in_light({{14, 1.5}}, ExposureSource::Estimated).counters.estimated == 24);
+  // No lamp makes that much of a difference; and a camera may have exposed otherwise than it says.
+  CHECK(in_light({{14, 2.5}}, ExposureSource::Declared).facts[14].verdict == Verdict::Contradicted);
+  CHECK(in_light({{14, 1.5}}, ExposureSource::Reported).facts[14].verdict == Verdict::Contradicted);
+}
+
+TEST_CASE("under lamps that flicker what a sensor or a driver says of its one exposure stands", "[capture]") {
+  constexpr int kFrames = 36, kPerPeriod = 6;
+  constexpr double kExposure_s = 0.004;
+  const auto contradicted = [](ExposureSource source) {
+    auto frames = filmed(scene_of({kExposure_s}), kFrames);
+    for (int i = 0; i < kFrames; ++i) {
+      const double light = 1 + 0.3 * std::cos(2 * std::numbers::pi * i / kPerPeriod);
+      frames[static_cast<std::size_t>(i)].codes = scene_of({kExposure_s * light}).frame(i).codes;
+    }
+    for (RawFrame& frame : frames) frame.facts.exposure_source = source;
+    return judged(scene_of({kExposure_s}), std::move(frames)).counters.contradicted;
+  };
+  CHECK(contradicted(ExposureSource::Embedded) == 0);
+  // A report stands once the light of another frame differed, too.
+  CHECK(contradicted(ExposureSource::Reported) <= 4);
+  CHECK(contradicted(ExposureSource::Predicted) > kFrames / 3);
 }
 
 TEST_CASE("an estimated exposure that the pictures contradict is told in stops, for it has no time",

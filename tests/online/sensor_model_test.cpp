@@ -1,6 +1,8 @@
 // What the online stage learns of the sensor from the stream itself: its response and its noise.
 #include "online/sensor_model.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -68,6 +70,42 @@ TEST_CASE("a response that the sensor's noise alone told is measured") {
   CHECK(sensor.response_measured());
   CHECK(response_error(sensor.response(), Response::linear()) <
         0.5 * response_error(prior_mean_response(), Response::linear()));
+}
+
+TEST_CASE("under lamps that flicker the response is found, and each frame is exposed as its own light says") {
+  constexpr std::array<double, 6> kLamps{1.25, 0.8, 1, 0.85, 1.2, 0.95};
+  constexpr int kFrames = 30;
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128;
+  const double sensitivity = scene.sensitivity;
+  WorkerPool pool(2);
+  Knobs options = state_alone();
+  options.light = GENERATE(LightKind::Followed, LightKind::Steady);
+  OnlineStream stream(scene.camera(), options, pool);
+  std::vector<double> off;  // ln, exposures that count over true ones
+  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    const auto i = static_cast<std::size_t>(estimate.frame.index);
+    const double truth = scene.exposures_s[i % 3] * kLamps[i % 6] / estimate.reference_exposure;
+    off.push_back(std::log(static_cast<double>(estimate.frame.exposure) / truth));
+    return {};
+  };
+  for (int i = 0; i < kFrames; ++i) {
+    scene.sensitivity = sensitivity * kLamps[static_cast<std::size_t>(i) % 6];
+    REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  }
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  REQUIRE(off.size() == kFrames);
+  const auto [least, most] = std::ranges::minmax_element(off);
+  const double error = response_error(stream.online().sensor().response(), Response::gamma(scene.gamma));
+  CAPTURE(error);
+  if (options.light == LightKind::Steady) {
+    CHECK(*most - *least > 0.4);
+    CHECK(error > 0.1);
+  } else {
+    CHECK(*most - *least < 0.2);
+    CHECK(error < 0.06);
+    CHECK(stream.online().sensor().light_spread_stops() > 0.1);
+  }
 }
 
 TEST_CASE("a gain over that of the first frame makes a sample as noisy as so much fewer electrons do") {

@@ -30,6 +30,9 @@ inline constexpr FloorClip kRaw{"walk?size=128x96&seed=5", "1ms,4ms,16ms", 14, "
 inline constexpr FloorClip kMains{"night?size=128x96&seed=15&full-well=20000&read-noise=3&without=flare",
                                   "1ms,4ms,16ms", 14, "bayer"};
 
+// lamps on the mains that light frames of one exposure otherwise each time
+inline constexpr FloorClip kLamps{"walk?size=128x96&seed=3&fps=24&with=mains-flicker", "1ms,2ms,4ms", 20};
+
 // Parts of the method, each with the setting that turns it off.
 inline void leave(PipelineOptions&) {}
 inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead = 0; }
@@ -43,6 +46,7 @@ inline void no_blur_variance(PipelineOptions& options) {
 inline void no_gate(PipelineOptions& options) { options.knobs.state.fusion.chi2_tolerance = 1e9f; }
 inline void no_rolling_shutter(PipelineOptions& options) { options.render.readout_s = 0; }
 inline void assumed_noise(PipelineOptions& options) { options.knobs.noise = NoiseKind::Assumed; }
+inline void steady_light(PipelineOptions& options) { options.knobs.light = LightKind::Steady; }
 using Change = void (*)(PipelineOptions&);
 
 struct PictureFloor {
@@ -65,6 +69,7 @@ inline constexpr PictureFloor kPictureFloors[] = {
     {"state, raw", kRaw, Preset::Balanced, EmitLayer::State, leave, 37.12, 36.43, 0.0505, 0.0017},
     {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 32.1, 29.2, 0.107,
      0.0195},
+    {"state, lamps that flicker", kLamps, Preset::Balanced, EmitLayer::State, leave, 37.2, 36.4, 0.05, 0.004},
     {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 41, 38.1, 0.059, 0.005},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 41.4, 38.8, 0.0547, 0.0045},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 41.4, 38.8, 0.0547, 0.0045},
@@ -85,6 +90,7 @@ inline constexpr PartWorth kPartWorths[] = {
     {"gate", kWalk, no_gate, 0.55, 0},
     {"blur variance", kPan, no_blur_variance, 1.3, 0.0055},
     {"learned noise", kDim, assumed_noise, 2.4, 0.079},
+    {"light of each frame", kLamps, steady_light, 5, 0.1},
     {"rolling shutter correction", kDim, no_rolling_shutter, 1.3, 0.0015},
 };
 

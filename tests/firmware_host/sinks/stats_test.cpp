@@ -111,6 +111,7 @@ TEST_CASE("the statistics have the keys that docs/stats.md lists, and no others"
   RunRecord record = test::example_run(6);
   record.rungs = {{.name = "as asked", .frames = 6}};
   record.counters = {{"dropped.shed", 2}};
+  record.light_spread_stops = 0.2;
   FrameRecord& frame = record.frames[5];  // which has a note
   frame.pose = FramePose{};
   frame.verdict = Verdict::Proved;
