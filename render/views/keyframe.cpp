@@ -18,6 +18,7 @@ void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, Keyfram
   key.lens = estimate.view.lens;
   key.depth_unit = estimate.depth_unit;
   key.inverse_depth.reshape(0, 0, 0);
+  key.knows_depth = estimate.depth != nullptr && estimate.depth->tells();
 }
 
 RigidTransform between(const RigidTransform& T_world_a, const RigidTransform& T_world_b, double share) {

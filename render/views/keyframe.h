@@ -16,14 +16,15 @@ struct Keyframe {
   RigidTransform T_world_camera;
   int world = 0;  // FrameEstimate::world, of pose and depth
   Intrinsics lens;
-  Image<float> inverse_depth;  // [1, rows, cols] 1 / camera z, > 0; 1 everywhere where no field knows it
-  float depth_unit = 1;        // of the depth of the field that fills holes, in that unit of length
-  FlowField to_previous;       // to the keyframe before; empty at the first
-  FlowField from_previous;     // from the keyframe before to this one; empty at the first
+  Image<float> inverse_depth;  // [1, rows, cols] 1 / camera z, > 0
+  bool knows_depth = true;  // of anything; else the inverse depth is the same everywhere, 1 without a field
+  float depth_unit = 1;     // of the depth of the field that fills holes, in that unit of length
+  FlowField to_previous;    // to the keyframe before; empty at the first
+  FlowField from_previous;  // from the keyframe before to this one; empty at the first
 };
 
-// frame: as emitted for the estimate. Copies it with its camera and leaves depth and motion empty
-// (keyframe_maker.h).
+// frame: as emitted for the estimate. Copies it with its camera, notes whether any depth is known, and leaves
+// depth and motion empty (keyframe_maker.h).
 void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, Keyframe& key);
 
 // The camera between two keyframes, 0 at a and 1 at b; outside, the motion goes on.

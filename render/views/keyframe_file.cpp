@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <span>
 
@@ -76,6 +77,8 @@ Result<void> load_pictures(SectionReader& file, int rows, int cols, Keyframe& ke
     for (std::size_t i = 0; i < kMotionChannels.size(); ++i)
       TRY(load(*motion_of(key)[i], kMotionChannels[i]));
   TRY(file.end());
+  const auto depths = key.inverse_depth.samples();
+  key.knows_depth = std::ranges::adjacent_find(depths, std::ranges::not_equal_to()) != depths.end();
   return is_sound(key) ? Result<void>() : file.wrong("it holds a value that no picture has");
 }
 

@@ -113,6 +113,10 @@ void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& vie
   SceneView place = view;
   place.time_s = interval.time_s();
   fill(place, field, interval.nearest().depth_unit, frame);
+  const bool knows_depth = interval.lies_between()
+                               ? interval.before->knows_depth && interval.after->knows_depth
+                               : interval.nearest().knows_depth;
+  if (!knows_depth) frame.depth.reshape(0, 0, 0);
 }
 
 // A source's pixels where the view sees them: `share` of the way along their motion, then along their depth.

@@ -16,7 +16,8 @@ class ViewRenderer {
   explicit ViewRenderer(WorkerPool& pool) : pool_(pool) {}
 
   // view: pose, lens and size; its time is the interval's. field: fills holes; where it is empty they stay
-  // black. Sets radiance, sigma, provenance, depth and white of `frame`, and leaves it without motion.
+  // black. Sets radiance, sigma, provenance, depth (none where a keyframe knows none) and white of `frame`,
+  // and leaves it without motion.
   void render(const KeyframeInterval& interval, const SceneView& view, const SnapshotHold& field,
               HdrFrame& frame);
 

@@ -85,8 +85,15 @@ TEST_CASE("every picture of a keyframe comes back from its file to the bit, its 
 TEST_CASE("a keyframe without motion comes back without it") {
   const Keyframe first = first_keyframe(), read = value_of(through_file("first", first));
   check_same_pictures(read, first);
+  CHECK(read.knows_depth);
   CHECK(read.to_previous.empty());
   CHECK(read.from_previous.empty());
+}
+
+TEST_CASE("a keyframe that knows no depth comes back as one that knows none") {
+  Keyframe was = first_keyframe();
+  was.inverse_depth.fill(0.7f), was.knows_depth = false;
+  CHECK_FALSE(value_of(through_file("unknown_depth", was)).knows_depth);
 }
 
 TEST_CASE("the small values of a keyframe come back, with its pose, its lens and the facts of its frame") {

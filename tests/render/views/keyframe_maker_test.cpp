@@ -19,6 +19,16 @@ class FlatWall final : public FieldSnapshot {
   }
 };
 
+class SlantedWall final : public FieldSnapshot {
+ public:
+  void look(const SceneView& view, WorkerPool&, FieldPicture& picture) const override {
+    picture.depth.reshape(1, view.rows, view.cols);
+    for (int y = 0; y < view.rows; ++y)
+      for (int x = 0; x < view.cols; ++x)
+        picture.depth.at(0, y, x) = kFieldDepth + 0.01f * static_cast<float>(x - view.cols / 2);
+  }
+};
+
 // A texture that does not repeat itself, moved to the right.
 Keyframe texture_at(float moved_px) {
   Keyframe key;
@@ -60,6 +70,20 @@ TEST_CASE(
   CHECK(key.to_previous.empty());
   maker.complete(SnapshotHold(), nullptr, key);
   for (const float v : key.inverse_depth.samples()) REQUIRE(v == Approx(1).epsilon(1e-4));
+  CHECK_FALSE(key.knows_depth);
+}
+
+TEST_CASE("a keyframe of a scene of which no depth is known is one plane, where the field takes it to be") {
+  WorkerPool pool(1);
+  KeyframeMaker maker(pool);
+  const SlantedWall wall;
+  Keyframe key = texture_at(0);
+  key.depth_unit = 0.25f, key.knows_depth = false;
+  maker.complete(SnapshotHold(wall), nullptr, key);
+  const float plane = key.inverse_depth.at(0, 0, 0);
+  CHECK(plane == Approx(1 / (kFieldDepth * 0.25f)).epsilon(0.01));
+  for (const float v : key.inverse_depth.samples()) REQUIRE(v == plane);
+  CHECK_FALSE(key.knows_depth);
 }
 
 TEST_CASE("the motion between two keyframes leads both ways, and is doubted where it leaves the picture") {

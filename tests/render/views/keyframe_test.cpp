@@ -83,8 +83,17 @@ TEST_CASE("a keyframe that is used again holds nothing of the frame before") {
   CHECK(key.T_world_camera == estimate.view.T_world_camera);
   CHECK(key.frame.flow.empty());
   CHECK(key.inverse_depth.empty());
+  CHECK_FALSE(key.knows_depth);
   for (const FlowField* flow : {&key.to_previous, &key.from_previous}) {
     CHECK(flow->vectors.empty());
     CHECK(flow->confidence.empty());
   }
+  DepthMap depth{Image<float>(1, 2, 3), Image<float>(1, 2, 3)};
+  estimate.depth = &depth;
+  depth.weight.fill(DepthMap::kBelieved / 2);
+  take_keyframe(frame, estimate, key);
+  CHECK_FALSE(key.knows_depth);
+  depth.weight.at(0, 1, 1) = 0.9f;
+  take_keyframe(frame, estimate, key);
+  CHECK(key.knows_depth);
 }

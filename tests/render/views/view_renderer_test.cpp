@@ -151,6 +151,17 @@ TEST_CASE("the depth of a view is that of the surface which it shows", "[views]"
   }
 }
 
+TEST_CASE("a view states no depth while none of its scene is known", "[views]") {
+  const Keyframe known = seen(1, 0, false);
+  Keyframe unknown = seen(0, 0, false);
+  unknown.knows_depth = false;
+  const SceneView view = view_from({0.4, 0, 0});
+  CHECK(rendered({&unknown, nullptr, 0}, view).depth.empty());
+  CHECK(rendered({&unknown, &known, 0.5}, view).depth.empty());
+  CHECK_FALSE(rendered({&unknown, &known, 1}, view).depth.empty());
+  CHECK_FALSE(rendered({&known, nullptr, 0}, view).depth.empty());
+}
+
 TEST_CASE("a view of twice the size shows the same scene", "[views]") {
   const Keyframe key = seen(0, 0, false);
   SceneView large = view_from({0, 0, 0});
