@@ -16,7 +16,7 @@ class CompactFrame {
   void restore(ExposedFrame& frame) const;
   const FrameFacts& facts() const { return frame_.facts; }
   float exposure() const { return frame_.exposure; }  // ExposedFrame
-  std::size_t bytes() const;  // of its picture
+  std::size_t bytes() const;                          // of its picture
 
  private:
   float scale_ = 1;
