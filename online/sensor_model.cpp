@@ -29,6 +29,12 @@ Response below_white(const Response& response, const BlackLevel& black, const Bl
   return Response(inverse, uncertainty);
 }
 
+// ln, of the frame that comes so many after the first; none behind the first ones.
+std::optional<float> light_of(const std::vector<float>& first_light, int age) {
+  const auto place = static_cast<std::size_t>(age);
+  return place < first_light.size() ? std::optional(first_light[place]) : std::nullopt;
+}
+
 }  // namespace
 
 SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
@@ -107,8 +113,8 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
 void SensorModel::correct(ExposedFrame& frame) const {
   if (!response_stated_) remove_black_level(frame, black_level_);
   frame.exposure = exposures_.corrected(frame.exposure);
-  if (const auto age = static_cast<std::size_t>(frame.index - begun_with_); age < first_light_.size())
-    frame.exposure *= std::exp(first_light_[age]);
+  if (const auto light = light_of(first_light_, frame.index - begun_with_))
+    frame.exposure *= std::exp(*light);
 }
 
 BlackLevel SensorModel::camera_black_level() const {
@@ -143,8 +149,7 @@ void SensorModel::compare(const ExposedFrame& frame, float stated, const FlowFie
 }
 
 void SensorModel::follow_light(ExposedFrame& frame, const FlowField& motion, float unseen_variance) {
-  const bool told = static_cast<std::size_t>(frame.index - begun_with_) < first_light_.size();
-  if (light_kind_ == LightKind::Steady || told) return;
+  if (light_kind_ == LightKind::Steady || light_of(first_light_, frame.index - begun_with_)) return;
   const float light =
       frame_light_.follow({frame, state_.state(), motion, tables_for(frame), unseen_variance});
   if (light != 0) frame.exposure *= std::exp(light);

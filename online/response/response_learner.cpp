@@ -24,6 +24,10 @@ std::optional<BlackLevel> stated_black(const ExposedFrame& frame) {
   return black;
 }
 
+ResponseEstimator begun_with(const ExposedFrame& first, const ResponseLearner::Options& options) {
+  return ResponseEstimator(stated_black(first), options.code_step, options.bits);
+}
+
 // On a thread of its own; where the system has none to give, by whoever asks for the result.
 template <class Fit>
 std::future<ResponseEstimate> started(const Fit& fit) {
@@ -37,8 +41,7 @@ std::future<ResponseEstimate> started(const Fit& fit) {
 }  // namespace
 
 void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* before) {
-  if (before == nullptr)
-    estimator_ = ResponseEstimator(stated_black(frame), options_.code_step, options_.bits);
+  if (before == nullptr) estimator_ = begun_with(frame, options_);
   estimator_.add_noise(frame);
   if (before == nullptr) return;
   ExposedFrame restored;
@@ -50,7 +53,9 @@ ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, co
                                         WorkerPool& pool) {
   const std::vector<float> light = light_of(frames);
   if (!light.empty()) {
-    estimator_ = ResponseEstimator(frames[0].facts().black_level, options_.code_step);
+    ExposedFrame first;
+    frames[0].restore(first);
+    estimator_ = begun_with(first, options_);
     look(frames, light, SceneCuts::Possible);
   }
   // not every pair of frames spans a cut; but where only exposures are learned, the stated ones are better
