@@ -17,12 +17,9 @@ bool show_two_scenes(const SceneThumbnail& before, const SceneThumbnail& after) 
 
 }  // namespace
 
-SceneThumbnail CutWatch::small(const ExposedFrame& frame) {
-  constexpr int kLines = 64;  // are enough, and below a millisecond at 640x480
-  return thumbnail_of(frame, std::max(1, frame.codes.rows() / kLines), scratch_);
+void CutWatch::begin(const ExposedFrame& frame) {
+  begin({frame.exposure, quick_thumbnail_of(frame, scratch_)});
 }
-
-void CutWatch::begin(const ExposedFrame& frame) { begin({frame.exposure, small(frame)}); }
 
 void CutWatch::begin(const Seen& first) {
   telling_ = first;
@@ -32,7 +29,7 @@ void CutWatch::begin(const Seen& first) {
 }
 
 bool CutWatch::ends_before(const ExposedFrame& frame) {
-  const Seen now{frame.exposure, small(frame)};
+  const Seen now{frame.exposure, quick_thumbnail_of(frame, scratch_)};
   const Seen* alike = newest_of(now.exposure);
   const bool ends = show_two_scenes(telling_.thumbnail, now.thumbnail) &&
                     (alike == nullptr || show_two_scenes(alike->thumbnail, now.thumbnail));

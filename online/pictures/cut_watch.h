@@ -26,7 +26,6 @@ class CutWatch {
     SceneThumbnail thumbnail{};
   };
 
-  SceneThumbnail small(const ExposedFrame& frame);
   void begin(const Seen& first);
   const Seen* newest_of(float exposure) const;  // null: none lately
   void keep(const Seen& now);

@@ -90,6 +90,11 @@ SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vect
   return thumbnail;
 }
 
+SceneThumbnail quick_thumbnail_of(const ExposedFrame& frame, std::vector<float>& scratch) {
+  constexpr int kLines = 64;
+  return thumbnail_of(frame, std::max(1, frame.codes.rows() / kLines), scratch);
+}
+
 double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells,
                        double presumed) {
   double sum = presumed, weights = presumed;

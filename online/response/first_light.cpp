@@ -18,14 +18,12 @@ struct FirstFrame {
 };
 
 std::vector<FirstFrame> small(std::span<const CompactFrame> frames) {
-  constexpr int kLines = 64;
   std::vector<FirstFrame> all;
   std::vector<float> scratch;
   ExposedFrame frame;
   for (const CompactFrame& packed : frames) {
     packed.restore(frame);
-    all.push_back(
-        {std::log(frame.exposure), thumbnail_of(frame, std::max(1, frame.codes.rows() / kLines), scratch)});
+    all.push_back({std::log(frame.exposure), quick_thumbnail_of(frame, scratch)});
   }
   return all;
 }
