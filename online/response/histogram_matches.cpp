@@ -68,7 +68,8 @@ class Ranking {
     return lower + (upper - lower) * std::clamp(within, 0.0, 1.0);
   }
   bool has_one_code() const { return is_all(plateau(0.5)); }
-  // The code above all of this share of the pixels.
+  // The boundaries between codes below and above what has the rank of this share.
+  double code_below(double share) const { return plateau(share).lower; }
   double code_above(double share) const { return plateau(share).upper; }
   double share_of_white() const {
     const auto white = std::upper_bound(codes_.begin(), codes_.end(), kUsable.brightest);
@@ -133,14 +134,25 @@ void keep_newest(HistogramMatches::OfChannel& matches) {
         std::ranges::min_element(matches, {}, [](const auto& entry) { return entry.second.newest; }));
 }
 
+constexpr double kMoved = 0.02;  // of the pixels: motion between frames moves shares
+
 // Codes of `dark` from which on `light` is white; none where white, or all else, is hardly seen: motion
 // between the frames moves shares.
 std::optional<float> first_white(const Ranking& dark, const Ranking& light) {
-  constexpr double kMoved = 0.02;  // of the pixels
   const double white = light.share_of_white();
   if (white < 2 * kMoved || white > 1 - kMoved) return std::nullopt;
   const auto code = static_cast<float>(dark.code_above(1 - white + kMoved));
   return code <= kUsable.brightest ? std::optional(code) : std::nullopt;
+}
+
+// The code of `dark` below which hardly anything is, and the one of `light` that is as dark at most. None
+// where the shorter exposure is bright, or the longer one: white that is smeared is no measure.
+std::optional<CodeMatch> first_dark(const Ranking& dark, const Ranking& light) {
+  constexpr double kHighest = 24, kBright = 127;  // codes
+  const double code = dark.code_below(kMoved);
+  const std::optional<double> other = light.code_at(2 * kMoved);
+  if (code < kUsable.darkest || code > kHighest || !other || *other > kBright) return std::nullopt;
+  return CodeMatch{static_cast<float>(code), static_cast<float>(*other)};
 }
 
 }  // namespace
@@ -162,7 +174,7 @@ HistogramMatches::OfFrames HistogramMatches::matches_between(std::vector<float> 
                                                              std::vector<float> longer,
                                                              std::vector<float>& scratch) {
   const Ranking dark(std::move(shorter), scratch), light(std::move(longer), scratch);
-  OfFrames found{{}, first_white(dark, light)};
+  OfFrames found{{}, first_white(dark, light), first_dark(dark, light)};
   if (light.has_one_code()) return found;
   // of a shorter exposure of one code the longer one tells what is black: all that it does not make brighter
   for (int q = 1; q < kQuantiles; ++q) {
@@ -224,7 +236,9 @@ void HistogramMatches::keep(const OfPair& found, float shorter, float longer) {
     matches.codes.insert(matches.codes.end(), found[c].codes.begin(), found[c].codes.end());
     if (found[c].white_from) matches.white_from.push_back(*found[c].white_from);
     keep_newest(matches.codes, kMostFrames * kQuantiles);
+    if (found[c].dark_to) matches.dark_to.push_back(*found[c].dark_to);
     keep_newest(matches.white_from, kMostFrames);
+    keep_newest(matches.dark_to, kMostFrames);
     matches.newest = pairs_;
     keep_newest(matches_[c]);
   }

@@ -4,7 +4,8 @@
 // exact, not codes, which are half a step wide at worst. The codes are medians of neighbours
 // (neighbour_medians.h), as noise widens a histogram and would move its quantiles. No alignment, no flow:
 // matches along the flow made the response worse (docs/decisions/response.md). Where the longer exposure is
-// white there is nothing to match, but its light has a lower bound. Thread-bound.
+// white there is nothing to match, but its light has a lower bound; so has what is darkest an upper one.
+// Thread-bound.
 #pragma once
 
 #include <array>
@@ -36,6 +37,9 @@ struct CodeMatches {
   // Codes of the shorter exposure, one of each pair of frames that tells it: of what is brighter the longer
   // exposure is white.
   std::vector<float> white_from;
+  // Likewise, at the other end: hardly anything is below this code of the shorter exposure, and what is at it
+  // is not brighter than this code of the longer one.
+  std::vector<CodeMatch> dark_to;
 };
 
 class HistogramMatches {
@@ -71,7 +75,8 @@ class HistogramMatches {
  private:
   struct OfFrames {  // of a channel
     std::vector<CodeMatch> codes;
-    std::optional<float> white_from;  // CodeMatches
+    std::optional<float> white_from;   // CodeMatches
+    std::optional<CodeMatch> dark_to;  // likewise
 
     bool empty() const { return codes.empty() && !white_from; }
   };

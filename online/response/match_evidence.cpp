@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "capture/clip_policy.h"
 #include "capture/exposed_frame.h"
@@ -102,29 +104,39 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
   return misfit;
 }
 
-double add_white_bounds(const HistogramMatches::OfChannel& channel, float black_level,
+double add_light_bounds(const HistogramMatches::OfChannel& channel, float black_level,
                         const MatchNoise& noise, const Eigen::VectorXd& g,
                         const shared_unknowns::Values& shared, CurveSquares& squares) {
-  constexpr double kSigma = 0.1, kTolerance = 0.3;  // ln x: white may be less, by compression and motion
-  constexpr double kMatches = 20;                   // a bound counts like so many
+  constexpr double kSigma = 0.1, kMatches = 20;  // ln x; a bound counts like so many
+  // ln x: white may be less, by compression and motion; what is dark may be brighter by the noise and
+  // compression of a short exposure, too
+  constexpr double kToleranceOfWhite = 0.3, kToleranceOfDark = 1;
   // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
   // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
   constexpr double kBeyond = 0.75;
-  const Knots white(static_cast<double>(without_black(clip_policy::kResponseMatch.brightest, black_level)));
+  const float darkest = clip_policy::kResponseMatch.darkest;
+  const float white = without_black(clip_policy::kResponseMatch.brightest, black_level);
   double misfit = 0;
   for (const auto& entry : channel) {
-    const std::vector<float>& codes = entry.second.white_from;
-    if (codes.empty()) continue;
     const PairOfExposures pair = pair_of(entry, shared);
-    const double told = 1 / (kBeyond * kBeyond * static_cast<double>(codes.size()));
-    for (const float code : codes) {
-      const Knots from(static_cast<double>(without_black(code, black_level)));
-      const double r = pair.rest(from, white, g) + kTolerance;
-      if (r >= 0) continue;
-      const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(from, g, noise));
+    // side 1: the light of the shorter exposure's code is the longer one's at least, -1: at most
+    const auto add = [&](double side, float z1, float z2, double tolerance, std::size_t bounds) {
+      const Knots code(static_cast<double>(z1)), other(static_cast<double>(z2));
+      const double r = side * pair.rest(code, other, g) + tolerance;
+      if (r >= 0) return;
+      const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(code, g, noise));
+      const double told = 1 / (kBeyond * kBeyond * static_cast<double>(bounds));
       misfit += w * r * r;
-      pair.add(w, from, white, pair.stated - kTolerance, squares);
-      squares.holds.push_back({std::max(0.0, w - told), difference_of(from, white)});
+      pair.add(w, code, other, pair.stated - side * tolerance, squares);
+      squares.holds.push_back({std::max(0.0, w - told), difference_of(code, other)});
+    };
+    const std::vector<float>& white_from = entry.second.white_from;
+    const std::vector<CodeMatch>& dark_to = entry.second.dark_to;
+    for (const float code : white_from)
+      add(1, without_black(code, black_level), white, kToleranceOfWhite, white_from.size());
+    for (const CodeMatch& dark : dark_to) {
+      const float z1 = without_black(dark.z1, black_level), z2 = without_black(dark.z2, black_level);
+      if (z1 >= darkest && z2 >= darkest) add(-1, z1, z2, kToleranceOfDark, dark_to.size());
     }
   }
   return misfit;

@@ -65,7 +65,7 @@ Agreement agreement(const HistogramMatches::OfChannel& matches, float black_leve
   agreed.A = prior.precision, agreed.b = prior.precision * prior.mean;
   agreed.A(kGaugeKnot, kGaugeKnot) += kGaugeWeight;
   agreed.misfit.of_matches = add_match_evidence(matches, black_level, noise, g, shared, agreed) +
-                             add_white_bounds(matches, black_level, noise, g, shared, agreed);
+                             add_light_bounds(matches, black_level, noise, g, shared, agreed);
   const Vector d = g - prior.mean;
   agreed.misfit.of_prior = d.dot(prior.precision * d);
   return agreed;
@@ -223,7 +223,7 @@ Response network_response(const HistogramMatches& matches, const BlackLevel& bla
     g[c] = fit_curve_network(curve_prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
       CurveSquares squares(as_stated.size());
       add_match_evidence(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
-      add_white_bounds(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
+      add_light_bounds(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
       A = std::move(squares.A), b = std::move(squares.b);
     });
   return Response(curves_of(g));

@@ -119,3 +119,17 @@ TEST_CASE("the code from which on the longer exposure is white is known where wh
   CHECK_FALSE(
       HistogramMatches().add(recorded(1, 0, all_white), recorded(kRatio, 0, all_white), SceneCuts::None));
 }
+
+TEST_CASE("the darkest code of a shorter exposure is compared with a longer one's where both are dark") {
+  struct Scene {
+    double dark, bright;  // stops: code 24 in the short exposure is -7.5, code 127 in the long one -7.2
+    bool told;
+  };
+  for (const Scene& scene : {Scene{-12, -4, true}, {-9, -4, true}, {-6, -1, false}, {-17, -10, false}}) {
+    const CodeMatches found = compared(
+        0, [&](int, int x) { return std::exp2(scene.dark + (scene.bright - scene.dark) * x / 256); });
+    CAPTURE(scene.dark, scene.bright);
+    REQUIRE(found.dark_to.size() == (scene.told ? 1 : 0));
+    if (scene.told) CHECK(stops_off(found.dark_to[0]) > 0);  // a bound
+  }
+}

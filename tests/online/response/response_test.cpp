@@ -351,6 +351,22 @@ TEST_CASE("what a longer exposure does not make brighter is black, even where th
   for (std::size_t c = 0; c < 3; ++c) CHECK(found.black_level[c] == Approx(kPedestal).margin(1));
 }
 
+TEST_CASE("what is a code in a shorter exposure and all light in a longer one is black") {
+  // A camera with a toe, whose shorter exposure is hardly above its pedestal: the one code that it tells
+  // apart is what a camera without a pedestal would show, too.
+  constexpr float kPedestal = 9, kToe = 0.006f;
+  const auto frame = [](float exposure) {
+    return frame_of(exposure, [&](int, int, int x) {
+      const float seen = exposure * std::exp2(-16 + 9.25f * static_cast<float>(x) / 256);
+      return std::round(kPedestal + (255 - kPedestal) * std::max(0.f, seen - kToe));
+    });
+  };
+  ResponseEstimator estimator;
+  REQUIRE(estimator.add_pair(frame(1), frame(64), SceneCuts::None));
+  const ResponseEstimate found = estimator.estimate({});
+  for (std::size_t c = 0; c < 3; ++c) CHECK(found.black_level[c] == Approx(kPedestal).margin(1.5));
+}
+
 TEST_CASE(
     "two exposures that share no code still tell a long toe: what is white in one is hardly black in the "
     "other") {
