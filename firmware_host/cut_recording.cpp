@@ -8,7 +8,7 @@
 namespace hdrcam {
 
 Error cut_recording(Error error, const std::string& path, std::uint64_t frames) {
-  if (frames == 0) return error;
+  if (frames == 0 || error.code == ErrorCode::NotFound) return error;  // NotFound: it was removed
   error.message +=
       fmt::format("; '{}' is cut after {}, of which 'hdrcam repair {} -o FILE' makes a complete recording",
                   path, counted(frames, "frame"), shell_word(path));

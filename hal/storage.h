@@ -20,7 +20,8 @@ class StorageFile {
   virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) = 0;
   virtual Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
   virtual Result<std::uint64_t> size() = 0;
-  virtual Result<void> sync() = 0;  // returns once the bytes survive a power cut
+  // Returns once the bytes survive a power cut; NotFound where the file was removed.
+  virtual Result<void> sync() = 0;
   // Keeps every FileInMaking from taking the file's name while it is open, in any program. Busy where another
   // open file holds it; a file system without locks holds nothing.
   virtual Result<void> hold() { return {}; }

@@ -153,6 +153,10 @@ class PosixFile : public StorageFile {
       if (errno == EINVAL) break;  // what cannot be synced, such as a folder of some file systems
       if (errno != EINTR) return error_of(errno, "sync", path_);
     }
+    struct stat status {};
+    if (::fstat(fd_.get(), &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0)
+      return Error{ErrorCode::NotFound,
+                   fmt::format("'{}' was removed while it was written; its content is lost", path_)};
     return {};
   }
 

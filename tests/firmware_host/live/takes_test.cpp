@@ -30,6 +30,8 @@ TEST_CASE(
   CHECK(takes.cut(full, 6).message.starts_with("the disk is full; '" + second.path +
                                                "' is cut after 1 frame,"));
   CHECK(takes.cut(full, 5).message == full.message);  // it has none
+  const Error removed{ErrorCode::NotFound, "the take was removed"};
+  CHECK(takes.cut(removed, 6).message == removed.message);  // nothing is left to repair
 }
 
 TEST_CASE("a take that was not begun leaves no file, and its number is the next one's") {

@@ -317,6 +317,25 @@ TEST_CASE("a recording for which memory ends as it is begun leaves no file") {
   }
 }
 
+TEST_CASE("a recording that is removed while it is written says so within a second, and never ends well") {
+  const std::string path = sample::scratch_folder("removed") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 40, 2);  // at 30 Hz
+  for (const Creation how : {Creation::New, Creation::Replace})
+    for (const std::size_t written : {std::size_t{3}, frames.size()}) {
+      const auto writer = value_of(create_recording(posix_storage(), path, camera, how));
+      require_done(writer->append(frames.front()));
+      std::filesystem::remove(path);
+      Result<void> appended;
+      for (std::size_t i = 1; i < written && appended; ++i) appended = writer->append(frames[i]);
+      CHECK(appended.ok() == (written == 3));
+      const auto finished = writer->finish();
+      require_error(finished, ErrorCode::NotFound);
+      CHECK(finished.error().message ==
+            fmt::format("'{}' was removed while it was written; its content is lost", path));
+    }
+}
+
 TEST_CASE("an error in the middle of a recording names the file that was asked for") {
   const std::string path = sample::scratch_folder("named") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
