@@ -20,7 +20,7 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage,
     copy = TRY(create_recording(storage, options.copy_to, recording->camera(), Creation::Replace,
                                 options.copy_codec));
   return std::unique_ptr<RecordingSource>(
-      new RecordingSource(std::move(recording), std::move(copy), options, stop));
+      new RecordingSource(path, std::move(recording), std::move(copy), options, stop));
 }
 
 std::unique_ptr<RecordingSource> RecordingSource::of(std::unique_ptr<RecordingReader> frames,
@@ -28,7 +28,8 @@ std::unique_ptr<RecordingSource> RecordingSource::of(std::unique_ptr<RecordingRe
                                                      const std::atomic<bool>& stop) {
   auto recording =
       std::make_unique<RecordingStage>(std::move(frames), options.contradiction, options.black_level);
-  return std::unique_ptr<RecordingSource>(new RecordingSource(std::move(recording), nullptr, options, stop));
+  return std::unique_ptr<RecordingSource>(
+      new RecordingSource("", std::move(recording), nullptr, options, stop));
 }
 
 RecordingSource::~RecordingSource() {
@@ -55,8 +56,7 @@ Result<const RawFrame*> RecordingSource::next() {
   }
   auto more = recording_->next(frame_);
   if (!more && more.error().code == ErrorCode::Truncated && read_ > 0) {
-    end_ = Error{ErrorCode::Truncated,
-                 more.error().message + "; 'hdrcam repair' makes a complete recording of them"};
+    end_ = read_to_cut(more.error(), path_);
     return nullptr;
   }
   if (!TRY(std::move(more))) return nullptr;

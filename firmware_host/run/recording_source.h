@@ -57,11 +57,17 @@ class RecordingSource : public FrameSource {
   CaptureCounters counters() const { return recording_->counters(); }
 
  private:
-  RecordingSource(std::unique_ptr<RecordingStage> recording, std::unique_ptr<RecordingWriter> copy,
-                  const RecordingSourceOptions& options, const std::atomic<bool>& stop)
-      : recording_(std::move(recording)), copy_(std::move(copy)), options_(options), stop_(stop) {}
+  RecordingSource(std::string path, std::unique_ptr<RecordingStage> recording,
+                  std::unique_ptr<RecordingWriter> copy, const RecordingSourceOptions& options,
+                  const std::atomic<bool>& stop)
+      : path_(std::move(path)),
+        recording_(std::move(recording)),
+        copy_(std::move(copy)),
+        options_(options),
+        stop_(stop) {}
   Result<void> or_cut(Result<void> wrote) const;
 
+  const std::string path_;  // of the recording; "" for frames from elsewhere, which no cut ends
   const std::unique_ptr<RecordingStage> recording_;
   const std::unique_ptr<RecordingWriter> copy_;
   const RecordingSourceOptions options_;

@@ -186,6 +186,7 @@ class MatroskaReader : public RecordingReader {
   Result<bool> stands_too_early(std::uint64_t index) const;
   Advance prove_found(const FoundCluster& found);
   Error corrupt(const std::string& what) const;
+  bool is_whole() const;
   Error ended();
   void look_behind();
   void leave_out(std::uint64_t first, std::uint64_t end, const std::string& reason);
@@ -230,12 +231,24 @@ Error MatroskaReader::corrupt(const std::string& what) const {
   return {ErrorCode::Corrupt, fmt::format("'{}' is damaged at frame {}: {}", path_, frames_, what)};
 }
 
+// Still: another program may have cut it since it was opened.
+bool MatroskaReader::is_whole() const {
+  if (!container_.whole) return false;
+  const auto size = container_.stream->file().size();
+  return !size || size.value() >= container_.end;
+}
+
 // No packet is left, and there was no end record.
 Error MatroskaReader::ended() {
-  if (container_.whole) return corrupt("the rest of the file cannot be read");
+  if (is_whole()) return corrupt("the rest of the file cannot be read");
   look_behind();
-  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {}, or is still being written", path_,
-                                            counted(frames_ - left_out_.count, "whole frame"))};
+  const std::string frames = counted(frames_ - left_out_.count, "whole frame");
+  if (!container_.whole)
+    return {ErrorCode::Truncated,
+            fmt::format("'{}' was cut after {}, or is still being written", path_, frames)};
+  const std::string all = count_ ? fmt::format(" of {}", *count_) : "";
+  return {ErrorCode::Truncated,
+          fmt::format("'{}' was cut while it was read, after {}{}", path_, frames, all)};
 }
 
 // Nothing says where a recording ends that was cut: what was put behind it is searched for.
@@ -334,7 +347,7 @@ MatroskaReader::Advance MatroskaReader::search() {
     if (scan_found_end_) return frame;
   }
   left_out_.end_is_missing = !count_;
-  if (!container_.whole) return ended();
+  if (!is_whole()) return ended();
   if (!count_) look_behind();
   leave_out(frames_, static_cast<std::uint64_t>(std::max(0, count_.value_or(0))), left_out_.reason);
   return std::optional<FrameFacts>();

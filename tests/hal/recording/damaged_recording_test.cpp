@@ -56,6 +56,26 @@ TEST_CASE("a recording cut at any byte reads up to its last whole frame and says
   CHECK(complete < made.bytes - whole_at.back());
 }
 
+TEST_CASE("a recording that is cut while it is read ends behind its last whole frame and says so") {
+  const std::string path = sample::scratch_folder("cut_meanwhile") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 128, 96);
+  const auto frames = sample::frames(camera, 8, 4);  // far more bytes than are read ahead
+  for (const Damage damage : {Damage::Ends, Damage::IsSkipped}) {
+    require_done(sample::record(posix_storage(), path, camera, frames));
+    const auto reader = value_of(open_recording(posix_storage(), path, damage));
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+    int read = 0;
+    auto next = reader->next();
+    for (; next && next.value(); next = reader->next()) ++read;
+    CHECK(read > 1);
+    CHECK(read < 8);
+    require_error(next, ErrorCode::Truncated);
+    CHECK(next.error().message ==
+          fmt::format("'{}' was cut while it was read, after {} whole frames of 8", path, read));
+    CHECK(reader->left_out().count == 0);
+  }
+}
+
 TEST_CASE("a cut recording does not claim to know its number of frames") {
   const sample::StoredSample made = small_recording("cutcount");
   FaultyStorage disk(posix_storage(), {.cut_at_bytes = made.bytes - 1});
