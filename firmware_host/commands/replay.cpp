@@ -9,8 +9,10 @@
 #include "firmware_host/commands/run_files.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
+#include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_name.h"
 
 namespace hdrcam {
@@ -38,6 +40,15 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
   if (flags.truth.empty()) return inputs;
   for (NamedInput& file : files_of_clip(flags.truth)) inputs.push_back(std::move(file));
   return inputs;
+}
+
+std::vector<NamedOutput> outputs_of(const ReplayFlags& flags, const Settings& settings, Storage& storage) {
+  std::vector<NamedOutput> outputs = outputs_of(settings, sink_kinds());
+  if (!flags.truth.empty() && NovelViews::are_of(storage, flags.truth))
+    outputs.push_back({"the novel views beside --output",
+                       NovelViews::files_in(folder_of(settings.output.path(sink_name::kFrames))),
+                       OutputKind::Frames, ".exr"});
+  return outputs;
 }
 
 bool is_numbered_only(const std::string& frames) {
@@ -70,7 +81,7 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
   const Settings settings = TRY(settings_on_recording(*flags.settings, asked));
   TRY(check_needs(settings));
   TRY(check_recorded_poses(flags.recording, settings, around));
-  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, sink_kinds())));
+  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(flags, settings, around.storage)));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
       {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},

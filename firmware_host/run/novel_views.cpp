@@ -10,6 +10,10 @@
 
 namespace hdrcam {
 
+bool NovelViews::are_of(Storage& storage, const std::string& clip_folder) {
+  return is_there(storage, clip_folder + "/gt/novel");
+}
+
 Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
                                     const CameraFacts& camera, const std::string& folder,
                                     ExrCompression compression, WorkerPool& pool) {

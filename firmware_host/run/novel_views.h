@@ -20,6 +20,10 @@ namespace hdrcam {
 
 class NovelViews {
  public:
+  // The names of the views beside the HDR frames of a folder.
+  static std::string files_in(const std::string& folder) { return folder + "/novel/%06d.exr"; }
+  // Whether a clip has such truth.
+  static bool are_of(Storage& storage, const std::string& clip_folder);
   // camera: of the frames that are rendered; folder: of the HDR frames, which are compressed like this.
   // Storage and pool outlive the views. Errors: those of GroundTruth; SizeChanged for a clip of another size.
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const CameraFacts& camera,

@@ -13,6 +13,7 @@
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/percent_text.h"
 #include "firmware_host/run/governor.h"
+#include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/sinks/output_folder.h"
@@ -178,7 +179,7 @@ Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film) {
 EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {
   if (plan.truth.empty()) return {EarlierFrames(storage, ""), EarlierFrames(storage, "")};
   const std::string frames = plan.settings.output.path(sink_name::kFrames);
-  return {EarlierFrames(storage, frames), EarlierFrames(storage, folder_of(frames) + "/novel/%06d.exr")};
+  return {EarlierFrames(storage, frames), EarlierFrames(storage, NovelViews::files_in(folder_of(frames)))};
 }
 
 Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,

@@ -495,6 +495,28 @@ TEST_CASE("novel views are compressed as the frames are") {
   }
 }
 
+TEST_CASE("novel views of an earlier replay stay without --force") {
+  const std::string folder = sample::scratch_folder("replay_novel_kept"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip", view = folder + "/out/novel/000009.exr";
+  simulate_novel_view(walk, clip);
+  fs::create_directories(folder + "/out/novel");
+  test::write_file(view, "an earlier view");
+  std::vector<std::string> words{"replay", walk, "--preset", "fast", "--truth", clip, "-o"};
+  words.push_back(folder + "/out/%06d.exr");
+  const RanHere refused = ran_here(words);
+  INFO(refused.err);
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::Exists));
+  CHECK(refused.err.find(fmt::format("would mix with 1 earlier file, '{}' among them", view)) !=
+        std::string::npos);
+  words.push_back("--force");
+  const test::Ran forced = test::ran(words);
+  INFO(forced.output);
+  CHECK(forced.exit_code == 0);
+  CHECK(forced.output.find("1 file of an earlier run remains beside the new ones") != std::string::npos);
+  CHECK(text_of(view) == "an earlier view");
+  CHECK(fs::exists(folder + "/out/novel/000005.exr"));
+}
+
 TEST_CASE("novel views have the white balance of the frames beside which they are scored") {
   const std::string folder = sample::scratch_folder("replay_novel_white"), walk = folder + "/walk.mkv",
                     clip = folder + "/clip";
