@@ -6,7 +6,7 @@ import subprocess
 import threading
 import urllib.request
 
-TOKEN = 'token-of-the-browser-test'
+TOKEN = '100%-token-of-the-browser-test'  # with a % that is no escape
 
 
 class Program:

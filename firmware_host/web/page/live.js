@@ -202,9 +202,18 @@ $('actions').addEventListener('submit', (event) => {
   act('cycle', { shutter: $('shutter').value });
 });
 
+// A % that is no escape, in a token that a person chose, stands for itself.
+function unescaped(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch (error) {
+    return text;
+  }
+}
+
 // The printed address carries the token; it does not stay in the address bar.
 if (location.hash.startsWith('#token=')) {
-  $('token').value = decodeURIComponent(location.hash.slice('#token='.length));
+  $('token').value = unescaped(location.hash.slice('#token='.length));
   history.replaceState(null, '', location.pathname);
 }
 
