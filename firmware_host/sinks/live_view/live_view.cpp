@@ -110,12 +110,11 @@ Result<std::unique_ptr<LiveView>> LiveView::open(const std::string& address, con
   const std::string token = options.token.empty() ? random_token() : options.token;
   view->server_ = TRY(HttpServer::open(wanted, token, view->routes(), {}));
   const std::string place = to_text(view->address());
-  remark("live view: http://{}/{}\n", place, options.token.empty() ? "#token=" + token : "");
+  const bool has_actions = control != nullptr;
+  remark("live view: http://{}/{}\n", place, has_actions && options.token.empty() ? "#token=" + token : "");
   if (!is_loopback(wanted))
-    remark(
-        "warning: whoever reaches {} sees the pictures; only actions need the token; 127.0.0.1 keeps them on "
-        "this machine\n",
-        place);
+    remark("warning: whoever reaches {} sees the pictures; {}127.0.0.1 keeps them on this machine\n", place,
+           has_actions ? "only actions need the token; " : "");
   return view;
 }
 

@@ -156,6 +156,16 @@ TEST_CASE("the token of the live view stands in no file of a run, and in no word
   CHECK(kinds == std::set<std::string>{".csv", ".exr", ".html", ".json", ".mkv"});
 }
 
+TEST_CASE("a replay prints the address of its live view without a token, which nothing there needs") {
+  const std::string folder = sample::scratch_folder("replay_no_token");
+  const test::Ran outcome = test::ran(std::vector<std::string>{
+      "replay", write_clip(folder, 7), "--preset", "fast", "--emit", "state", "--http", "127.0.0.1:0"});
+  INFO(outcome.output);
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.output.find("live view: http://127.0.0.1:") != std::string::npos);
+  CHECK(outcome.output.find("token") == std::string::npos);
+}
+
 TEST_CASE("a run that needs more memory than it may take is refused in one sentence before it starts") {
   const std::string folder = sample::scratch_folder("replay_memory");
   const std::string path = folder + "/claim.mkv";
