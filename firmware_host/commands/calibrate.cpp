@@ -150,7 +150,7 @@ Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Su
   TRY(check_calibration(flags.what));
   TRY(check_replayed(settings.camera, around.storage));
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera),
-                       {{"--output", flags.output, OutputKind::Document}}));
+                       {{"--output", flags.output, OutputKind::Settings}}));
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   const ControlDelays delays = TRY(measure_delays(*camera, settings, around.stop));
   Settings measured = settings;

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kSceneExtension = ".hdrscene";
+constexpr std::string_view kSceneExtension = ".hdrscene", kSettingsExtension = ".toml";
 
 // The names that numbered frames may get.
 struct NameSet {
@@ -148,8 +148,7 @@ Result<void> check_earlier_work_stays(Storage& storage, const Place& place, Outp
                  fmt::format("{} '{}' exists already and is numbered as a frame is; name another file, or "
                              "replace it with --force",
                              place.words, place.path)};
-  const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Scene ||
-                       kind == OutputKind::Document || kind == OutputKind::Poses || kind == OutputKind::List;
+  const bool is_kept = kind != OutputKind::Frames && kind != OutputKind::Page && kind != OutputKind::Picture;
   if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another place, or replace it "
                                                 "with --force",
@@ -174,7 +173,7 @@ Result<void> check_earlier_work_stays(Storage& storage, const Place& place, Outp
 // Of a clip, or settings and calibrations.
 bool describes_work(const std::string& path) {
   const std::string name = fs::path(path).filename().string();
-  return name == "clip.json" || name == "gt.json" || lower_extension(path) == ".toml";
+  return name == "clip.json" || name == "gt.json" || lower_extension(path) == kSettingsExtension;
 }
 
 // For other tools; a file of poses that has a name of its own is not known for one.
@@ -184,8 +183,8 @@ bool holds_poses(const std::string& path) {
 }
 
 // A page may replace a page, a picture of the run such a picture, a scene a scene, a document a document,
-// poses poses, and a list a list, but never a frame, footage, a recording or what describes them that was
-// named by mistake.
+// settings settings, poses poses, and a list a list, but never a frame, footage, a recording or what
+// describes them that was named by mistake.
 Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
@@ -193,6 +192,7 @@ Result<void> check_no_other_work_is_replaced(const Place& place, OutputKind kind
   const std::string extension = lower_extension(path);
   const bool own = (kind == OutputKind::Picture && extension == ".png") ||
                    (kind == OutputKind::Scene && extension == kSceneExtension) ||
+                   (kind == OutputKind::Settings && extension == kSettingsExtension) ||
                    (kind == OutputKind::Poses && holds_poses(path)) ||
                    (kind == OutputKind::List && FrameLedger::is_one(path));
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||

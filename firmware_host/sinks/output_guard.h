@@ -24,7 +24,8 @@ struct NamedInput {
 enum class OutputKind {
   Frames,     // a pattern, one file per frame: earlier frames stay unless --force
   Recording,  // an earlier take stays unless --force
-  Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
+  Document,   // what the verb was run for, under a name that it gives: an earlier one stays unless --force
+  Settings,   // for --config: an earlier file stays unless --force
   Scene,      // a snapshot: an earlier one stays unless --force
   Poses,      // of the pictures, for other tools: earlier ones, of whatever program, stay unless --force
   List,       // of the frames, beside them (frame_ledger.h): an earlier one stays unless --force
@@ -42,8 +43,8 @@ struct NamedOutput {
 enum class Overwrite { Refuse, Force };
 
 // Errors: Invalid where an output is an input, another output, a folder, "-" or no pattern of frames, or one
-// file that is named by such a pattern, or has an unknown word in braces, or a page, picture, scene or
-// document over a file of another kind (by its extension), or a scene that is not called .hdrscene; Exists
+// file that is named by such a pattern, or has an unknown word in braces, or a page, picture, scene, document
+// or settings over a file of another kind (by its extension), or a scene that is not called .hdrscene; Exists
 // where it would replace an earlier take; Permission where numbered frames would go into a folder that cannot
 // be listed; those of Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,

@@ -158,6 +158,22 @@ TEST_CASE("a document is replaced with --force only, and never stands in for a r
                 ErrorCode::Invalid);
 }
 
+TEST_CASE("settings take the place of settings with --force only, and of no clip, poses or recording") {
+  const Desk desk("guard_settings");
+  for (const char* file : {"camera.toml", "camera.conf"}) {
+    desk.put(file);
+    const std::vector<NamedOutput> again{{"--output", file, OutputKind::Settings}};
+    require_error(desk.check(again), ErrorCode::Exists);
+    require_done(desk.check(again, Overwrite::Force));
+  }
+  for (const char* work :
+       {"clip/clip.json", "clip/gt/gt.json", "transforms.json", "take1.mkv", "s.hdrscene"}) {
+    desk.put(work);
+    require_error(desk.check({{"--output", work, OutputKind::Settings}}, Overwrite::Force),
+                  ErrorCode::Invalid);
+  }
+}
+
 TEST_CASE("poses take the place of poses with --force only, and of no file of another kind") {
   const Desk desk("guard_poses");
   desk.put("transforms.json"), desk.put("sparse/points3D.txt"), desk.put("clip.json"), desk.put("take.mkv");
