@@ -280,7 +280,7 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
   return files;
 }
 
-// Not a folder, nor a pattern of numbered files, as encode and other programs take it.
+// Not a folder or a clip, nor a pattern of numbered files, as encode and other programs take it.
 Result<void> check_named_one_by_one(Storage& storage, const std::string& file) {
   const FileKind kind = TRY(storage.look_at(file)).kind;
   if (kind == FileKind::Folder)
@@ -288,6 +288,9 @@ Result<void> check_named_one_by_one(Storage& storage, const std::string& file) {
                  fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
                              "files",
                              file)};
+  if (kind == FileKind::Regular && std::filesystem::path(file).extension() == ".json")
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is a clip.json among other footage; import each clip by itself", file)};
   if (kind != FileKind::Missing || file.find('%') == std::string::npos) return {};
   const std::string folder = std::filesystem::path(file).parent_path().string();
   return Error{ErrorCode::NotFound,

@@ -95,6 +95,28 @@ bool meet(const Place& a, const Place& b) {
   return a.facts.kind != FileKind::Other && same_file(a.facts, b.facts);
 }
 
+// Whether the second output goes into a folder that would have to be made where the first one's file goes.
+bool is_folder_of(const Place& file, const Place& other) {
+  if (file.names || file.facts.kind != FileKind::Missing) return false;
+  const std::string folder =
+      other.names ? other.names->folder : fs::path(other.facts.real_path).parent_path().string();
+  return folder == file.facts.real_path || is_below(folder, file.facts.real_path);
+}
+
+// Between two outputs, or an output and an input.
+Result<void> check_apart(const Place& place, const Place& other) {
+  if (meet(place, other))
+    return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
+                                                 place.words, place.path, other.words, other.path)};
+  for (const auto& [file, within] : {std::pair(&place, &other), std::pair(&other, &place)})
+    if (is_folder_of(*file, *within))
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("{} '{}' is a file, and {} '{}' needs a folder of that name; name another file",
+                      file->words, file->path, within->words, within->path)};
+  return {};
+}
+
 Result<Place> place_of(Storage& storage, const NamedInput& input) {
   return Place{input.what, input.path, TRY(storage.look_at(input.path)), std::nullopt, input.kind};
 }
@@ -234,10 +256,7 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
     Place place = TRY(place_of(storage, output));
     if (!place.names && place.facts.kind == FileKind::Missing)  // "new/../walk.mkv", while there is no "new"
       place.facts = TRY(storage.look_at(place.facts.real_path));
-    for (const Place& other : taken)
-      if (meet(place, other))
-        return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
-                                                     place.words, place.path, other.words, other.path)};
+    for (const Place& other : taken) TRY(check_apart(place, other));
     TRY(check_no_other_work_is_replaced(place, output.kind));
     TRY(check_named_as_scene(place, output.kind));
     if (overwrite == Overwrite::Refuse) TRY(check_earlier_work_stays(storage, place, output.kind));

@@ -42,11 +42,11 @@ struct NamedOutput {
 
 enum class Overwrite { Refuse, Force };
 
-// Errors: Invalid where an output is an input, another output, a folder, "-" or no pattern of frames, or one
-// file that is named by such a pattern, or has an unknown word in braces, or a page, picture, scene, document
-// or settings over a file of another kind (by its extension), or a scene that is not called .hdrscene; Exists
-// where it would replace an earlier take; Permission where numbered frames would go into a folder that cannot
-// be listed; those of Storage::look_at.
+// Errors: Invalid where an output is an input, another output or its folder, a folder, "-" or no pattern of
+// frames, or one file that is named by such a pattern, or has an unknown word in braces, or a page, picture,
+// scene, document or settings over a file of another kind (by its extension), or a scene that is not called
+// .hdrscene; Exists where it would replace an earlier take; Permission where numbered frames would go into a
+// folder that cannot be listed; those of Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 

@@ -405,6 +405,10 @@ TEST_CASE("a clip or a picture in place of a recording leads to import, and two 
       sample::error_of(hdrcam_verb("import " + folder + "/a " + folder + "/b -o " + folder + "/x.mkv"));
   CHECK(both.code == ErrorCode::Invalid);
   CHECK(both.message.find("/a' is a folder among other footage") != std::string::npos);
+  const Error both_clips = sample::error_of(
+      hdrcam_verb("import " + folder + "/a/clip.json " + folder + "/b/clip.json -o " + folder + "/x.mkv"));
+  CHECK(both_clips.code == ErrorCode::Invalid);
+  CHECK(both_clips.message.find("/a/clip.json' is a clip.json among other footage") != std::string::npos);
 }
 
 TEST_CASE("export names pictures itself, and asks for their folder where it gets a pattern") {

@@ -111,6 +111,19 @@ TEST_CASE("two outputs may not be one file, also before it exists") {
                            {"--sheet", ""}}));
 }
 
+TEST_CASE("an output is no file where another one needs a folder, also before that is made") {
+  const Desk desk("guard_folder_of_another");
+  const NamedOutput frames{"--output", "out/a/%06d.exr", OutputKind::Frames}, stats{"--stats", "out"};
+  for (const std::vector<NamedOutput>& outputs : {std::vector{frames, stats}, std::vector{stats, frames}}) {
+    const Result<void> checked = desk.check(outputs);
+    require_error(checked, ErrorCode::Invalid);
+    CHECK_THAT(checked.error().message,
+               Catch::StartsWith("--stats '" + desk.folder + "/out' is a file, and --output '"));
+  }
+  require_error(desk.check({{"--stats", "a/s.json"}, {"--report", "a"}}), ErrorCode::Invalid);
+  require_done(desk.check({frames, {"--stats", "out.json"}, {"--report", "out/a.html"}}));
+}
+
 // Runs in a folder, as a user does who names files without one.
 struct CurrentFolder {
   explicit CurrentFolder(const std::string& folder) { fs::current_path(folder); }
