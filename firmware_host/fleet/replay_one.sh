@@ -36,9 +36,17 @@ mkdir -p "$folder"
 [ -e "$folder/log" ] || [ -z "$(frames -print -quit)" ] ||
   ended 17 "in $folder are frames that no job of a fleet wrote; move them, or give another OUT"
 [ -e "$recording" ] || ended 3 "hdrcam: '$recording' does not exist." # its frames stay: the disk may be back tomorrow
+# replay FLAG..: what the job does.
+replay() { "$hdrcam" replay "$recording" -o "$folder/%06d.exr" --stats "$folder/stats.json" "$@" 2>"$folder/log"; }
+
+# Without --force replay refuses the earlier frames at the latest, and before that flags that do not fit together.
+if [ -n "$(frames -print -quit)" ]; then
+  replay "${flags[@]}"
+  [ $? != 2 ] || ended 2 "$(tail -n 1 "$folder/log")"
+fi
 # An earlier job may have left more frames than this one will, and figures of its own.
 rm -f "$folder/job" "$folder/frames.csv" "$folder/stats.json"
 frames -delete
-"$hdrcam" replay "$recording" -o "$folder/%06d.exr" --stats "$folder/stats.json" --force "${flags[@]}" 2>"$folder/log"
+replay --force "${flags[@]}"
 code=$?
 ended "$code" "$(tail -n 1 "$folder/log")"

@@ -18,8 +18,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of a program in place of hdrcam: it takes all flags that a fleet asks it about.
-constexpr const char* kTakesFlags = "[ \"$2\" != --print-config ] || exit 0\n";
+// Of a program in place of hdrcam: it takes all flags that a fleet asks it about, and replaces no frames
+// without --force.
+constexpr const char* kTakesFlags =
+    "[ \"$2\" != --print-config ] || exit 0\n[ \"$7\" = --force ] || exit 17\n";
 
 // Two recordings, and programs that a fleet finds before those of the system.
 class Fleet {
@@ -121,6 +123,19 @@ TEST_CASE("flags that replay refuses end a fleet before a job deletes the frames
   CHECK(refused.exit_code == 2);
   CHECK_THAT(refused.output, Contains("not 'fats'") && !Contains("ms/frame"));
   CHECK(fleet.has("a/000003.exr"));
+}
+
+TEST_CASE("flags that do not fit together leave the frames of an earlier job of a fleet") {
+  const Fleet fleet("fleet_unfit_flags");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  fleet.program("hdrcam",
+                "[ \"$2\" != --print-config ] || exit 0\n"
+                "echo 'hdrcam: --emit field comes from the field.' >&2; exit 2");
+  const Ran refused = fleet.run("--plain", "3 --emit field --set field=none");
+  INFO(refused.output);
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.output, Contains("exit 2: hdrcam: --emit field comes from the field."));
+  for (const char* file : {"a/000003.exr", "a/frames.csv", "a/stats.json"}) CHECK(fleet.has(file));
 }
 
 TEST_CASE("a recording that is gone leaves what an earlier job of a fleet made of it") {
