@@ -198,7 +198,7 @@ TEST_CASE("--framerate is that of Y4M, which has no times, and refused of a vide
 }
 
 TEST_CASE("times in whole milliseconds give the video's frame rate, and no frame for missing") {
-  for (const double rate_hz : {24., 60., 120., 480.}) {
+  for (const double rate_hz : {24., 60., 120., 480., 720., 950.}) {
     std::vector<double> times_s;
     for (int i = 0; i < 24; ++i) times_s.push_back(i / rate_hz);
     const FootagePlan plan = plan_of_matroska("import_milliseconds", times_s, rate_hz);
