@@ -39,9 +39,9 @@ std::vector<std::string> gpio_chip_nodes() { return device_nodes("gpiochip"); }
 
 namespace {
 
-// "gpiochip0:17" of a line's own name; any other text as it is.
+// "gpiochip0:17", of a line's own name and of "gpiochip0:017" too; any other text as it is.
 std::string place_of(const std::string& name) {
-  if (parse_line_name(name)) return name;
+  if (const auto place = parse_line_name(name)) return fmt::format("{}:{}", place->chip, place->offset);
   for (const std::string& node : gpio_chip_nodes()) {
     const auto chip = inspect_gpio_chip(node);
     for (std::size_t i = 0; chip && i < chip.value().lines.size(); ++i)

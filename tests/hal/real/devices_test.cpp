@@ -94,6 +94,12 @@ TEST_CASE("GPIO lines are named by chip and number or by their own name") {
     CHECK_FALSE(parse_line_name(name).has_value());
 }
 
+TEST_CASE("a GPIO line is one line, with however many zeros its number is written") {
+  CHECK(same_gpio_line("gpiochip0:17", "gpiochip0:017"));
+  CHECK_FALSE(same_gpio_line("gpiochip0:17", "gpiochip1:17"));
+  CHECK_FALSE(same_gpio_line("gpiochip0:17", "gpiochip0:170"));
+}
+
 TEST_CASE("a GPIO line that cannot be used as it is asked to says which kind to choose") {
   for (const int code : {EINVAL, ENXIO, ENOTSUP}) {
     const Error error = line_error(code, "gpiochip1:3", "");
