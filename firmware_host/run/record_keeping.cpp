@@ -216,6 +216,10 @@ void close_record(std::size_t most, double wall_s, RunRecord& record) {
   record.peak_memory_mib = peak_memory_mib();
 }
 
+bool is_failure(const Result<void>& outcome) {
+  return !outcome && outcome.error().code != ErrorCode::Interrupted;
+}
+
 void tell_of_outputs(const RunPlan& plan, std::span<const EarlierFrames> earlier, std::string_view where) {
   for (const EarlierFrames& frames : earlier)
     if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);

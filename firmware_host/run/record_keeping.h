@@ -52,6 +52,8 @@ Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, St
                         RunRecord& record);
 // The frames in order, and what the whole run took. most: as for keep(); wall_s: seconds.
 void close_record(std::size_t most, double wall_s, RunRecord& record);
+// Whether something went wrong. ^C is none: whatever else went wrong says more.
+bool is_failure(const Result<void>& outcome);
 // Warns of earlier frames that stayed beside the new ones; and, where somebody follows the run, says where
 // its outputs are: `where`, a list.
 void tell_of_outputs(const RunPlan& plan, std::span<const EarlierFrames> earlier, std::string_view where);

@@ -38,11 +38,6 @@ struct RunEnding {
   std::optional<Error> other;  // of the source's end, such as a cut recording, or of what comes behind
 };
 
-// ^C is none: whatever else went wrong says more.
-bool is_failure(const Result<void>& outcome) {
-  return !outcome && outcome.error().code != ErrorCode::Interrupted;
-}
-
 // A later failure is told beside the first.
 Result<void> first_failure(Result<void> first, Result<void> later, RunEnding& told) {
   if (first || (!is_failure(first) && is_failure(later))) return later;
@@ -280,7 +275,7 @@ Backlog Run::backlog() const {
 
 // The end: completes the files, then writes the outputs about the whole run.
 Result<void> Run::conclude(Result<void> worked, Stopwatch wall, RunEnding& told) {
-  if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
+  if (const Result<void> completed = sinks_.finish(); !is_failure(worked) && !completed) worked = completed;
   if (!backend_.note.empty()) record_.notes.push_back(backend_.note);
   if (governor_) add_deadline(*governor_, record_);
   add_findings(pipeline_, record_);

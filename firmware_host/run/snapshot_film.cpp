@@ -40,13 +40,14 @@ class SnapshotFilm {
     film_.take(scene_);
     between_shows_ = {};
     Result<void> worked = fed_by([this] { return film(); }, sinks_);
-    if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
+    if (const Result<void> completed = sinks_.finish(); !is_failure(worked) && !completed) worked = completed;
     if (!note.empty()) record_.notes.push_back(note);
     add_findings(film_, record_);
     record_.response = curves_of(*scene_.response);
     close_record(most_records_, wall.lap_ms() / 1e3, record_);
     record_.sinks = sinks_.times();
-    if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
+    if (const Result<void> concluded = sinks_.conclude(record_); !is_failure(worked) && !concluded)
+      worked = concluded;
     where = sinks_.whole_outputs(storage_);
     if (plan_.record != nullptr) *plan_.record = std::move(record_);
     return worked;

@@ -9,6 +9,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/ran_here.h"
+#include "tests/support/stopping_storage.h"
 
 #include "tests/support/files.h"
 #include "tests/support/ran.h"
@@ -266,6 +267,21 @@ TEST_CASE("a run without a field saves a scene that is filmed from its own camer
   CHECK_FALSE(fs::exists(folder + "/out"));
   CHECK(ran_here({"render", scene, "-o", out}).exit_code == 0);
   CHECK(files_in(folder + "/out").size() == 6);
+}
+
+TEST_CASE("what fails behind a film of a snapshot that is stopped is told, and not that it was stopped",
+          "[film]") {
+  const std::string folder = sample::scratch_folder("snapshot_stopped");
+  for (const bool full : {false, true}) {
+    test::StoppingStorage storage(".exr", 2);
+    const RanHere run = ran_here({"render", saved().scene, "--time", "0.1..0.2666666", "--speed", "0.01",
+                                  "-o", folder + (full ? "/full/%06d.exr" : "/whole/%06d.exr"), "--stats",
+                                  full ? "/dev/full" : folder + "/s.json"},
+                                 storage, storage.stop());
+    INFO(run.err);
+    CHECK(run.exit_code == exit_code_of(full ? ErrorCode::NoSpace : ErrorCode::Interrupted));
+    CHECK_THAT(run.err, Contains(full ? "hdrcam: no space left to write '/dev/full'" : "stopped after"));
+  }
 }
 
 TEST_CASE("a scene of very small or very long pictures is filmed from its snapshot", "[film]") {
