@@ -26,6 +26,7 @@
 #include "hal/clock.h"
 #include "hal/core/counted.h"
 #include "hal/core/folder_listing.h"
+#include "hal/core/sound_facts.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 #include "render/scores/linear_pictures.h"
@@ -199,7 +200,7 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
                    frame.radiance.plane(c), shown);
   }
   const RunFacts facts = run_facts_of(image.attributes);
-  const double regular_s = static_cast<double>(file.sequence - first) / framerate_hz;
+  const double regular_s = std::min(static_cast<double>(file.sequence - first) / framerate_hz, kLatest_s);
   frame.facts.timestamp = Instant::from_seconds(facts.since_start_s.value_or(regular_s));
   frame.white = static_cast<float>(facts.white.value_or(kBrightest_nits / white_nits));
   return frame;
@@ -270,6 +271,7 @@ class EncodedFiles {
     warn_of_white(image, file);
     const HdrFrame frame =
         TRY(frame_of(image, file, first_.sequence, video_.white_nits, camera_.framerate_hz));
+    warn_of_pause(frame.facts.timestamp, file);
     return sink_->emit({frame, ExposedFrame{}, FrameRecord{}});
   }
   // Whether the files have times and a rate, and another one was asked for.
@@ -313,6 +315,17 @@ class EncodedFiles {
           file.path);
   }
 
+  // Numbers such as those of nanoseconds would show each frame for days.
+  void warn_of_pause(Instant time, const NumberedFile& file) {
+    constexpr Duration kLongest = std::chrono::minutes(10);
+    const Duration pause = time - std::exchange(last_time_, time).value_or(time);
+    if (pause > kLongest && !std::exchange(warned_of_pause_, true))
+      remark(
+          "warning: '{}' comes {:.0f} s after the frame before it, by its time or its number; where that is "
+          "wrong, number the frames one by one\n",
+          file.path, to_seconds(pause));
+  }
+
   VideoOptions video_;  // its white: that of the files, where they say it
   const double framerate_hz_;
   const WhiteOrigin white_;
@@ -321,7 +334,8 @@ class EncodedFiles {
   Storage& storage_;
   CameraFacts camera_;
   std::optional<double> stated_white_;  // by the first file, cd/m2
-  bool warned_of_white_ = false;
+  bool warned_of_white_ = false, warned_of_pause_ = false;
+  std::optional<Instant> last_time_;
   std::unique_ptr<FrameSink> sink_;
 };
 

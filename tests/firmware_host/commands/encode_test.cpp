@@ -227,6 +227,24 @@ TEST_CASE("frames that state their times keep them and their rate, whatever --fr
   CHECK_THAT(told(untimed, "60"), !Contains("note:"));
 }
 
+TEST_CASE("encode warns of a pause as long as numbers of nanoseconds make it, and of no frame that is lost") {
+  const std::string out = sample::scratch_folder("encode_pause");
+  const auto told = [&](const std::string& name, const std::vector<std::string>& numbers) {
+    for (const std::string& number : numbers)
+      write_grey(fmt::format("{}/{}_{}.exr", out, name, number), Image<float>(1, 16, 16));
+    const test::Ran run = test::ran(
+        std::vector<std::string>{"encode", fmt::format("{}/{}_%0{}d.exr", out, name, numbers[0].size()), "-o",
+                                 out + "/" + name + ".mkv"});
+    CHECK(run.exit_code == 0);
+    return run.output;
+  };
+  CHECK_THAT(told("stamps", {"1716900000000000000", "1716900000033333333", "1716900000066666666"}),
+             Contains("stamps_1716900000033333333.exr' comes 1111111 s after the frame before it"));
+  CHECK_THAT(told("apart", {"0000000000000000001", "9000000000000000000"}),
+             Contains("' comes 4000000000 s after"));
+  CHECK_THAT(told("lost", {"000000", "000001", "000150"}), !Contains("warning"));
+}
+
 TEST_CASE("encode warns of primaries that it does not convert, and not of its own") {
   const std::string out = sample::scratch_folder("encode_primaries"), frames = out + "/%06d.exr";
   ExrAttributes attributes;
