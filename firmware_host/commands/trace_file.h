@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "firmware_host/settings/settings.h"
 #include "hal/core/trace.h"
@@ -12,17 +11,18 @@ namespace hdrcam {
 
 class TraceFile {
  public:
-  explicit TraceFile(const Settings& settings) : path_(settings.machine.trace) {
-    if (!path_.empty()) trace_.emplace();
+  // The settings outlive it.
+  explicit TraceFile(const Settings& settings) : settings_(settings) {
+    if (!settings.machine.trace.empty()) trace_.emplace();
   }
 
   Trace* trace() { return trace_ ? &*trace_ : nullptr; }  // null where none is wanted
-  // After the run's threads have ended. Returns the error of the run, if it had one, else that of the disk;
-  // of two the second is a warning.
+  // After the run's threads have ended; lists the file where it is written. Returns the error of the run, if
+  // it had one, else that of the disk; of two the second is a warning.
   Result<void> write_after(const Result<void>& run, Storage& storage) const;
 
  private:
-  const std::string path_;
+  const Settings& settings_;
   std::optional<Trace> trace_;
 };
 

@@ -316,13 +316,15 @@ TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {
 
 TEST_CASE("a run lists the outputs that it completed, and no other") {
   const std::string folder = sample::scratch_folder("kept_list"), frames = folder + "/%06d.exr",
-                    report = folder + "/report.html";
-  const test::Ran run = test::ran(joined(
-      {"replay", kDemo, "--frames", "6", "-o", frames, "--stats", "/dev/full", "--report", report}, kQuick));
+                    report = folder + "/report.html", trace = folder + "/trace.json";
+  const test::Ran run = test::ran(joined({"replay", kDemo, "--frames", "6", "-o", frames, "--stats",
+                                          "/dev/full", "--report", report, "--trace", trace},
+                                         kQuick));
   INFO(run.output);
   CHECK(run.exit_code == 11);
   CHECK_FALSE(has_line(run.output, "/dev/full"));
-  CHECK_THAT(run.output, Contains(frames + ": 6 frames\n") && Contains(report + "\n"));
+  CHECK_THAT(run.output,
+             Contains(frames + ": 6 frames\n") && Contains(report + "\n") && Contains(trace + "\n"));
   CHECK(fs::exists(report));  // written, although the statistics before it failed
 }
 
