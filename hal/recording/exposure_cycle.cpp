@@ -10,15 +10,16 @@ void ExposureCycleSearch::SlotExposures::add(double ev) {
   least_ev = std::min(least_ev, ev), most_ev = std::max(most_ev, ev);
 }
 
-bool ExposureCycleSearch::SlotExposures::agree(double tolerance_ev) const {
-  return mean_ev() - least_ev <= tolerance_ev && most_ev - mean_ev() <= tolerance_ev;
+bool ExposureCycleSearch::SlotExposures::agree() const {
+  constexpr double kTolerance_ev = 0.3;  // from the mean
+  return mean_ev() - least_ev <= kTolerance_ev && most_ev - mean_ev() <= kTolerance_ev;
 }
 
 // One of period 0 where the exposures of a slot do not agree or a slot does not occur.
-ExposureCycle ExposureCycleSearch::cycle_of(std::span<const SlotExposures> slots, double tolerance_ev) {
+ExposureCycle ExposureCycleSearch::cycle_of(std::span<const SlotExposures> slots) {
   ExposureCycle cycle;
   for (const SlotExposures& slot : slots) {
-    if (slot.count == 0 || !slot.agree(tolerance_ev)) return {};
+    if (slot.count == 0 || !slot.agree()) return {};
     cycle.exposures.push_back(std::exp2(slot.mean_ev()));
   }
   cycle.period = static_cast<int>(slots.size());
@@ -39,27 +40,27 @@ void ExposureCycleSearch::add(const FrameFacts& frame) {
     counted_[first_slot(period) + place % period].add(ev);
 }
 
-ExposureCycle ExposureCycleSearch::cycle(double tolerance_ev) const {
+ExposureCycle ExposureCycleSearch::cycle() const {
   if (frames_ < 2) return {};
   if (last_stated_ >= 0 && last_stated_ < static_cast<int>(kLongestPeriod)) {
     const std::size_t period = static_cast<std::size_t>(last_stated_) + 1;
-    ExposureCycle stated = cycle_of(std::span(stated_).first(period), tolerance_ev);
+    ExposureCycle stated = cycle_of(std::span(stated_).first(period));
     stated.recorded = stated.period > 0;
     if (stated.recorded) return stated;
   }
   if (runs_backward_) return {};
   const std::uint64_t longest = std::min({std::uint64_t{kLongestPeriod}, range_ / 2, frames_});
   for (std::size_t period = 1; period <= longest; ++period) {
-    ExposureCycle found = cycle_of(std::span(counted_).subspan(first_slot(period), period), tolerance_ev);
+    ExposureCycle found = cycle_of(std::span(counted_).subspan(first_slot(period), period));
     if (found.period > 0) return found;
   }
   return {};
 }
 
-ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames, double tolerance_ev) {
+ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames) {
   ExposureCycleSearch search;
   for (const FrameFacts& frame : frames) search.add(frame);
-  return search.cycle(tolerance_ev);
+  return search.cycle();
 }
 
 int slot_of(const ExposureCycle& cycle, const FrameFacts& first, const FrameFacts& frame) {

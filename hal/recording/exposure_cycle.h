@@ -18,22 +18,20 @@ struct ExposureCycle {
   bool recorded = false;          // the frames state their slots; slot 0 is the schedule's
 };
 
-constexpr double kSlotToleranceEv = 0.3;  // how far an exposure may be from the mean of its slot
-
 // Where frames state their slots (FrameFacts::slot) and the exposures of each slot agree, those slots are the
 // cycle; frames without a slot, as before the first control acted, are ignored. Otherwise the shortest
-// period, at most half the range of sequence numbers, in which every exposure is within the tolerance of its
+// period, at most half the range of sequence numbers, in which every exposure is within .3 stops of its
 // slot's (logarithmic) mean and every slot occurs. The slot of a frame is its sequence number, counted from
 // that of the first frame, modulo the period; so a dropped frame does not shift the slots. Exposures that are
 // not positive and finite are ignored.
-ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames, double tolerance_ev = kSlotToleranceEv);
+ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames);
 
 // The same, of frames that come one by one: it keeps none of them, however many there are.
 class ExposureCycleSearch {
  public:
   void add(const FrameFacts& frame);
   // Of the frames so far.
-  ExposureCycle cycle(double tolerance_ev = kSlotToleranceEv) const;
+  ExposureCycle cycle() const;
 
  private:
   static constexpr std::size_t kLongestPeriod = 64;  // no schedule is longer; bounds the search
@@ -45,10 +43,10 @@ class ExposureCycleSearch {
 
     void add(double ev);
     double mean_ev() const { return sum_ev / count; }
-    bool agree(double tolerance_ev) const;
+    bool agree() const;
   };
   static constexpr std::size_t first_slot(std::size_t period) { return period * (period - 1) / 2; }
-  static ExposureCycle cycle_of(std::span<const SlotExposures> slots, double tolerance_ev);
+  static ExposureCycle cycle_of(std::span<const SlotExposures> slots);
 
   std::uint64_t frames_ = 0;
   std::uint64_t first_ = 0, range_ = 0;  // of the sequence numbers
