@@ -5,6 +5,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "hal/clock.h"
 #include "hal/core/counted.h"
+#include "hal/real/sync_line_gpiod.h"
 #include "hal/real/trigger_line_gpiod.h"
 #include "hal/sim/simulated_trigger_line.h"
 

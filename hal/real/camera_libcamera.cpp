@@ -13,7 +13,7 @@ Error not_built() {
 
 void show_libcamera_log() {}
 Result<std::vector<CameraCapabilities>> list_libcamera_cameras() { return not_built(); }
-Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&) { return not_built(); }
+Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&) { return not_built(); }
 
 }  // namespace hdrcam
 
@@ -129,11 +129,9 @@ Duration readout_of(Duration skew, int rows, Duration frame_duration) {
 
 class LibcameraCamera : public Camera, private BufferLease::Owner {
  public:
-  LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera,
-                  Clock& clock)
+  LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera)
       : manager_(std::move(manager)),
         camera_(std::move(camera)),
-        clock_(clock),
         capabilities_(capabilities_of(*camera_)),
         paced_(capabilities_.sets_exposure && !has_algorithms(*camera_)) {
     camera_->requestCompleted.connect(this, &LibcameraCamera::on_completed);
@@ -217,7 +215,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     }
     if (turn) {
       const std::lock_guard completions(completions_mutex_);
-      pacer_.written(*turn, clock_.now());
+      pacer_.written(*turn, posix_clock().now());
     }
     return {};
   }
@@ -342,7 +340,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     const std::int64_t stamp_ns = request.metadata()
                                       .get(lc::controls::SensorTimestamp)
                                       .value_or(static_cast<std::int64_t>(frame.timestamp));
-    return instant_of_recent_stamp(clock_, Duration(stamp_ns));
+    return instant_of_recent_stamp(posix_clock(), Duration(stamp_ns));
   }
 
   CapturedBuffer delivered(std::size_t index) {
@@ -380,7 +378,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     const auto index = static_cast<std::size_t>(request->cookie());
     const bool cancelled = request->status() == lc::Request::RequestCancelled;
     const lc::FrameMetadata& frame = buffers_->buffer(index).metadata();
-    const Instant timestamp = cancelled ? clock_.now() : timestamp_of(*request, frame);
+    const Instant timestamp = cancelled ? posix_clock().now() : timestamp_of(*request, frame);
     {
       const std::lock_guard completions(completions_mutex_);
       if (cancelled && !started_) return;  // by stop()
@@ -417,7 +415,6 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   std::shared_ptr<lc::CameraManager> manager_;
   std::shared_ptr<lc::Camera> camera_;
-  Clock& clock_;
   CameraCapabilities capabilities_;
   bool paced_;  // exposures are written when queued, see ControlPacer
   StreamMode mode_;
@@ -471,12 +468,11 @@ Result<std::vector<CameraCapabilities>> list_libcamera_cameras() {
   return list;
 }
 
-Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id, Clock& clock) {
+Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id) {
   auto manager = TRY(camera_manager());
   auto camera = TRY(find_camera(*manager, id));
   if (const int code = camera->acquire(); code != 0) return libcamera_error(code, camera->id(), "open it");
-  return std::unique_ptr<Camera>(
-      std::make_unique<LibcameraCamera>(std::move(manager), std::move(camera), clock));
+  return std::unique_ptr<Camera>(std::make_unique<LibcameraCamera>(std::move(manager), std::move(camera)));
 }
 
 }  // namespace hdrcam

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "hal/camera.h"
-#include "hal/clock.h"
 
 namespace hdrcam {
 
@@ -26,6 +25,6 @@ void show_libcamera_log();
 Result<std::vector<CameraCapabilities>> list_libcamera_cameras();
 
 // id: as listed, or a part of an id or model that only one has. NotFound, Busy, Permission, Unsupported.
-Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id, Clock& clock = posix_clock());
+Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id);
 
 }  // namespace hdrcam

@@ -146,7 +146,7 @@ std::string what_stands_in_the_way() {
   return "connect one and see 'hdrcam list', or use --camera sim:SCENE";
 }
 
-Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
+Result<std::unique_ptr<Camera>> open_only_camera() {
   std::vector<std::string> usable;
   for (const FoundDevice& camera : list_cameras())
     if (!camera.id.empty()) usable.push_back(camera.id);
@@ -158,7 +158,7 @@ Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
   if (of_libcamera > 1 || (of_libcamera == 0 && usable.size() > 1))
     return Error{ErrorCode::Invalid, fmt::format("there are several cameras; choose one with --camera: {}",
                                                  fmt::join(usable, ", "))};
-  return open_real_camera(usable.front(), clock);
+  return open_real_camera(usable.front());
 }
 
 }  // namespace
@@ -170,12 +170,11 @@ std::vector<FoundDevice> list_devices() {
   return devices;
 }
 
-Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock) {
-  if (id.empty()) return open_only_camera(clock);
-  if (id.starts_with("/dev/")) return open_v4l2_camera(id, {}, clock);
+Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id) {
+  if (id.empty()) return open_only_camera();
+  if (id.starts_with("/dev/")) return open_v4l2_camera(id);
   const bool names_libcamera = id.starts_with(kLibcameraPrefix);
-  auto camera =
-      open_libcamera_camera(names_libcamera ? id.substr(std::string(kLibcameraPrefix).size()) : id, clock);
+  auto camera = open_libcamera_camera(names_libcamera ? id.substr(std::string(kLibcameraPrefix).size()) : id);
   if (camera || camera.error().code != ErrorCode::NotFound) return camera;
   if (!names_libcamera && device_nodes("video").empty() && device_nodes("media").empty())
     return Error{ErrorCode::NotFound,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hal/camera.h"
-#include "hal/clock.h"
 
 namespace hdrcam {
 
@@ -26,6 +25,6 @@ std::vector<FoundDevice> list_devices();
 
 // id: "/dev/video0", "libcamera:ID", or an id that libcamera knows, whole or in part. Empty: the only camera
 // there is. NotFound states that there is no camera and names possible obstacles.
-Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock = posix_clock());
+Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id);
 
 }  // namespace hdrcam

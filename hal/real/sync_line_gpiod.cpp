@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "hal/clock.h"
 #include "hal/real/device_node.h"
 #include "hal/real/recent_stamp.h"
 
@@ -15,8 +16,8 @@ using SteadyClock = std::chrono::steady_clock;
 
 class GpioSyncLine : public SyncLine {
  public:
-  GpioSyncLine(std::unique_ptr<GpioLine> line, GpioSettings settings, Clock& clock)
-      : line_(std::move(line)), settings_(std::move(settings)), clock_(clock) {}
+  GpioSyncLine(std::unique_ptr<GpioLine> line, GpioSettings settings)
+      : line_(std::move(line)), settings_(std::move(settings)) {}
 
   Result<Edge> wait_edge(Duration timeout) override {
     const auto deadline = SteadyClock::now() + timeout;
@@ -52,12 +53,11 @@ class GpioSyncLine : public SyncLine {
     else
       sequence_ += sequence_ > 0 && event.rising == last_rising_ ? 2 : 1;
     last_rising_ = event.rising;
-    return Edge{instant_of_recent_stamp(clock_, event.stamp), event.rising, sequence_};
+    return Edge{instant_of_recent_stamp(posix_clock(), event.stamp), event.rising, sequence_};
   }
 
   std::unique_ptr<GpioLine> line_;
   GpioSettings settings_;
-  Clock& clock_;
   WakeUp wake_;
   std::atomic<bool> closed_{false};
   std::uint64_t sequence_ = 0;
@@ -66,9 +66,9 @@ class GpioSyncLine : public SyncLine {
 
 }  // namespace
 
-Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings, Clock& clock) {
+Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings) {
   auto line = TRY(request_gpio_line(settings, LineDirection::Input));
-  return std::unique_ptr<SyncLine>(std::make_unique<GpioSyncLine>(std::move(line), settings, clock));
+  return std::unique_ptr<SyncLine>(std::make_unique<GpioSyncLine>(std::move(line), settings));
 }
 
 }  // namespace hdrcam

@@ -4,13 +4,12 @@
 
 #include <memory>
 
-#include "hal/clock.h"
 #include "hal/real/gpio_line.h"
 #include "hal/sync_line.h"
 
 namespace hdrcam {
 
 // NotFound, Permission, Busy (names the holder), Unsupported.
-Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings, Clock& clock = posix_clock());
+Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings);
 
 }  // namespace hdrcam

@@ -4,27 +4,28 @@
 #include <thread>
 #include <utility>
 
+#include "hal/clock.h"
+
 namespace hdrcam {
 namespace {
 
 class GpioTriggerLine : public TriggerLine {
  public:
-  GpioTriggerLine(std::unique_ptr<GpioLine> line, std::string name, Clock& clock)
-      : line_(std::move(line)), name_(std::move(name)), clock_(clock) {}
+  GpioTriggerLine(std::unique_ptr<GpioLine> line, std::string name)
+      : line_(std::move(line)), name_(std::move(name)) {}
   ~GpioTriggerLine() override { (void)line_->set(LineLevel::Inactive); }
 
   const std::string& name() const override { return name_; }
   Result<DrivenEdge> drive(LineLevel level) override {
-    const Instant before = clock_.now();
+    const Instant before = posix_clock().now();
     TRY(line_->set(level));
-    const Duration half = (clock_.now() - before) / 2;
+    const Duration half = (posix_clock().now() - before) / 2;
     return DrivenEdge{before + half, half};
   }
 
  private:
   std::unique_ptr<GpioLine> line_;
   std::string name_;
-  Clock& clock_;
 };
 
 // The kernel takes the line from a dead process after it has closed that process's other files, so the first
@@ -42,10 +43,9 @@ void leave_inactive(const GpioSettings& settings) {
 
 }  // namespace
 
-Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings, Clock& clock) {
+Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings) {
   auto line = TRY(request_gpio_line(settings, LineDirection::Output));
-  return std::unique_ptr<TriggerLine>(
-      std::make_unique<GpioTriggerLine>(std::move(line), settings.line, clock));
+  return std::unique_ptr<TriggerLine>(std::make_unique<GpioTriggerLine>(std::move(line), settings.line));
 }
 
 Result<std::unique_ptr<LastAct>> guard_trigger_gpio(const GpioSettings& settings) {

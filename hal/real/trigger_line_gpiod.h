@@ -5,16 +5,14 @@
 
 #include <memory>
 
-#include "hal/clock.h"
+#include "hal/real/gpio_line.h"
 #include "hal/real/last_act.h"
-#include "hal/real/sync_line_gpiod.h"
 #include "hal/trigger_line.h"
 
 namespace hdrcam {
 
 // Requests the line as an output, inactive. NotFound, Permission, Busy (names the holder), Unsupported.
-Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings,
-                                                       Clock& clock = posix_clock());
+Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings);
 
 // A child process that drives the line inactive for kHeldInactive, and lets go of it, when this process ends
 // without doing so. Start it before other threads, and before the line is opened.

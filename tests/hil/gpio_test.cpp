@@ -1,5 +1,6 @@
 // Lines of the kernel's simulated GPIO chip.
 #include "hal/real/enumerate.h"
+#include "hal/real/sync_line_gpiod.h"
 #include "hal/real/trigger_line_gpiod.h"
 #include "tests/contracts/expect.h"
 #include "tests/contracts/sync_line_contract.h"

@@ -11,6 +11,7 @@
 #include "capture/trigger_ledger.h"
 #include "capture/trigger_thread.h"
 #include "hal/real/enumerate.h"
+#include "hal/real/sync_line_gpiod.h"
 #include "hal/real/trigger_line_gpiod.h"
 #include "tests/contracts/expect.h"
 #include "tests/hil/bed.h"
