@@ -1,14 +1,57 @@
 #include "capture/delay_calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
 
+#include "capture/control_latency.h"
 #include "capture/drop_streak.h"
+#include "capture/photometry.h"
 
 namespace hdrcam {
+namespace {
+
+// Which delay the pictures show, of a pattern of two exposures.
+class DelayCalibration {
+ public:
+  static constexpr int kEnough = 16;  // comparisons
+
+  // Two exposures at least a stop apart; they differ in the control to be measured, time or gain.
+  DelayCalibration(const Exposure& shorter, const Exposure& longer, const PhotometricResponse& response);
+
+  // The exposure for the next request.
+  Exposure next();
+  // Frame `index` arrived (lost frames count); `asked` is the exposure requested for the frame after it.
+  void observe(std::uint64_t index, const PhotometricSignature& picture, const Exposure& asked);
+  // What observe() does with `asked`; alone for a frame whose picture cannot be read, which used up its
+  // request as any other.
+  void note_request(std::uint64_t index, const Exposure& asked);
+  // Before either: the exposure requested for the frame that arrived was written late or never. Which
+  // exposure the frame shows that should show it is unknown, whatever the delay.
+  void written_late() { asked_[newest_ % kHistory].reset(); }
+
+  DelayEstimate estimate() const;
+  const Photometer& photometer() const { return photometer_; }
+
+ private:
+  static constexpr int kHistory = 64;
+  // 1 for the longer exposure, 0 for the shorter, nullopt where no request is known.
+  std::optional<int> asked_during(std::uint64_t index, int delay) const;
+
+  std::array<Exposure, 2> exposures_;
+  double log_step_;
+  Photometer photometer_;
+  unsigned register_ = 1;
+  std::array<std::optional<int>, kHistory> asked_{};
+  std::uint64_t newest_ = 0;
+  std::optional<PhotometricSignature> last_picture_;
+  std::uint64_t last_index_ = 0;
+  std::array<int, kMaxDelay + 1> hits_{}, misses_{};
+};
 
 DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& longer,
                                    const PhotometricResponse& response)
@@ -99,8 +142,6 @@ DelayEstimate DelayCalibration::estimate() const {
   }
   return estimate;
 }
-
-namespace {
 
 // The requests of a measurement, in order, each with its exposure.
 class CalibrationRequests {
