@@ -24,6 +24,19 @@ constexpr std::string_view kDropped = "dropped.";
 // As the file stores it.
 float stored(float radiance) { return static_cast<float>(as_half(radiance)); }
 
+std::vector<int> radiance_histogram(const Image<float>& radiance) {
+  std::vector<int> bins(kHistogramBins);
+  const float* const r = radiance.plane(0);
+  const float* const g = radiance.plane(1);
+  const float* const b = radiance.plane(2);
+  for (std::size_t i = 0; i < radiance.plane_size(); ++i) {
+    const double place =
+        (stops_of(r[i], g[i], b[i]) - kLeastStop) * kHistogramBins / (kMostStop - kLeastStop);
+    ++bins[static_cast<std::size_t>(std::clamp(place, 0.0, kHistogramBins - 1.0))];
+  }
+  return bins;
+}
+
 Json frame_json(const ShownFrame& frame) {
   const FrameFacts& facts = frame.hdr.facts;
   Json json{{"sequence", facts.sequence},
@@ -94,19 +107,6 @@ void add_frames(const LiveFigures& figures, Exposition& out) {
 }
 
 }  // namespace
-
-std::vector<int> radiance_histogram(const Image<float>& radiance) {
-  std::vector<int> bins(kHistogramBins);
-  const float* const r = radiance.plane(0);
-  const float* const g = radiance.plane(1);
-  const float* const b = radiance.plane(2);
-  for (std::size_t i = 0; i < radiance.plane_size(); ++i) {
-    const double place =
-        (stops_of(r[i], g[i], b[i]) - kLeastStop) * kHistogramBins / (kMostStop - kLeastStop);
-    ++bins[static_cast<std::size_t>(std::clamp(place, 0.0, kHistogramBins - 1.0))];
-  }
-  return bins;
-}
 
 std::string pixel_json(const ShownFrame& frame, int x, int y) {
   const Image<float>& radiance = frame.hdr.radiance;

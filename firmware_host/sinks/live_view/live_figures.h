@@ -18,15 +18,14 @@ struct LiveFigures {
   std::string recording = {};             // the file that is open
 };
 
-// With the histogram of the frame.
+// Of the frame's histogram: counts of pixels by log2 luminance, kLeastStop to kMostStop; the outer ones hold
+// what is beyond.
+constexpr int kHistogramBins = 40;
+
 std::string status_json(const LiveFigures& figures);
 std::string prometheus_text(const LiveFigures& figures);
 
 // A pixel of the frame as /frame.exr has it, and its uncertainty. x, y: inside the picture.
 std::string pixel_json(const ShownFrame& frame, int x, int y);
-
-// Counts of pixels per bin of log2 luminance, kLeastStop to kMostStop; the outer bins hold what is beyond.
-constexpr int kHistogramBins = 40;
-std::vector<int> radiance_histogram(const Image<float>& radiance);
 
 }  // namespace hdrcam

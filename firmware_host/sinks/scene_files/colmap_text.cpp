@@ -73,16 +73,12 @@ std::string points_of(const PosedClip& clip, const Sightings& seen) {
 
 }  // namespace
 
-std::array<std::string, 3> to_colmap_text(const PosedClip& clip, const std::string& folder) {
-  const Sightings seen = sightings_of(clip);
-  return {cameras_of(clip), images_of(clip, folder, seen), points_of(clip, seen)};
-}
-
 Result<void> write_colmap(Storage& storage, const std::string& model, const PosedClip& clip,
                           const std::string& folder) {
   TRY(storage.make_directories(model));
-  const std::array<std::string, 3> texts = to_colmap_text(clip, folder);
-  for (std::size_t i = 0; i < texts.size(); ++i)
+  const Sightings seen = sightings_of(clip);
+  const std::string texts[] = {cameras_of(clip), images_of(clip, folder, seen), points_of(clip, seen)};
+  for (std::size_t i = 0; i < kColmapFiles.size(); ++i)
     TRY(write_whole(storage, fmt::format("{}/{}", model, kColmapFiles[i]),
                     std::as_bytes(std::span(texts[i]))));
   return {};

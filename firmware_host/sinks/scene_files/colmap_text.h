@@ -16,10 +16,8 @@ namespace hdrcam {
 
 inline constexpr std::array<std::string_view, 3> kColmapFiles = {"cameras.txt", "images.txt", "points3D.txt"};
 
-// In the order of kColmapFiles. folder: COLMAP's --image_path, from which pictures are named.
-std::array<std::string, 3> to_colmap_text(const PosedClip& clip, const std::string& folder);
-
-// Writes the files into `model`, which it makes. Errors: those of the disk.
+// Writes the files into `model`, which it makes. folder: COLMAP's --image_path, from which pictures are
+// named. Errors: those of the disk.
 Result<void> write_colmap(Storage& storage, const std::string& model, const PosedClip& clip,
                           const std::string& folder);
 

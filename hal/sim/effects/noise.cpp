@@ -17,8 +17,7 @@ constexpr auto kInverse = [] {
   return inverse;
 }();
 
-}  // namespace
-
+// A Poisson number around `mean` from uniform u in [0, 1), by inversion; meant for small means.
 float poisson(float mean, float u) {
   float probability = std::exp(-mean), sum = probability;
   std::size_t count = 0;
@@ -28,6 +27,8 @@ float poisson(float mean, float u) {
   }
   return static_cast<float>(count);
 }
+
+}  // namespace
 
 void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence,
                   std::uint64_t first_pixel) const {

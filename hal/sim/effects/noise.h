@@ -27,7 +27,4 @@ class Noise {
   std::uint64_t seed_;
 };
 
-// A Poisson number around `mean` from uniform u in [0, 1), by inversion; meant for small means.
-float poisson(float mean, float u);
-
 }  // namespace hdrcam
