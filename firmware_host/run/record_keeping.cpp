@@ -64,11 +64,10 @@ void note_errors(const SensorModel& sensor, RunRecord& record) {
                                        cause_of_texture_error(share, sensor.texture_error_of_mosaic()),
                                        100 * share));
   if (const double stops = sensor.light_spread_stops(); stops > 0)
-    record.notes.push_back(
-        fmt::format("light: frames of one exposure differ by {:.2f} stops (rms), as under lamps on the "
-                    "mains; each frame's own "
-                    "light counts as its exposure (--set light=steady if it does not)",
-                    stops));
+    record.notes.push_back(fmt::format(
+        "light: frames of one exposure differ by {:.2f} stops (rms), as under lamps on the mains; each "
+        "frame's own light counts as its exposure (--set light=steady if it does not)",
+        stops));
   if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "

@@ -106,8 +106,7 @@ std::vector<SettingField> camera_fields() {
           {{"driver", AsDriverSays}, {"begin", ExposureBegin}, {"end", ExposureEnd}}),
       choice<kGroup, &C::yuv_range>(
           "camera.yuv_range", "--yuv-range",
-          "luma range of YUV formats: limited is 16..235, full is 0..255, or what "
-          "the driver reports",
+          "luma range of YUV formats: limited is 16..235, full is 0..255, or what the driver reports",
           {{"driver", std::nullopt}, {"limited", YuvRange::Limited}, {"full", YuvRange::Full}}),
       choice<kGroup, &C::pace>("camera.pace", "--pace",
                                "pace of replay:FILE: as fast as the fit or the recording takes its frames, "
@@ -145,10 +144,10 @@ std::vector<SettingField> sync_fields() {
       choice<kGroup, &S::strobe>(
           "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
           {{"frame", StrobePulse::MarksFrame}, {"exposure", StrobePulse::SpansExposure}}),
-      delay<kGroup, &S::strobe_delay>("sync.strobe_delay", "--strobe-delay",
-                                      "time from the driver's timestamp to the pulse's rising edge, "
-                                      "or to its falling edge where it spans the "
-                                      "exposure and the timestamp marks the end: 250us, -2ms or 0"),
+      delay<kGroup, &S::strobe_delay>(
+          "sync.strobe_delay", "--strobe-delay",
+          "time from the driver's timestamp to the pulse's rising edge, or to its falling edge where it "
+          "spans the exposure and the timestamp marks the end: 250us, -2ms or 0"),
       any<kGroup, &S::active_low>("sync.active_low", "--sync-active-low", "the strobe is active low"),
       any<kGroup, &S::trigger_line>(
           "sync.trigger_line", "--trigger-line",
@@ -182,11 +181,9 @@ SettingField deadline_field() {
 }
 
 SettingField readout_field() {
-  SettingField field =
-      any<&Settings::fit, &Settings::Fit::readout>("fit.readout", "--readout",
-                                                   "read-out time of all rows of a rolling shutter; its skew "
-                                                   "is corrected",
-                                                   "as the camera or the recording states it");
+  SettingField field = any<&Settings::fit, &Settings::Fit::readout>(
+      "fit.readout", "--readout", "read-out time of all rows of a rolling shutter; its skew is corrected",
+      "as the camera or the recording states it");
   field.type = SettingType::TimeOrOff;
   return field;
 }
@@ -212,8 +209,7 @@ std::vector<SettingField> fit_fields() {
       choice<kGroup, &F::emit>(
           "fit.emit", "--emit",
           "what HDR frames show: the state (radiance of each pixel) with the field (radiance in space) "
-          "fitted "
-          "beside it, the state alone, or the field alone",
+          "fitted beside it, the state alone, or the field alone",
           {{"merged", EmitLayer::Merged}, {"state", EmitLayer::State}, {"field", EmitLayer::Field}}),
       deadline_field(),
       flag_of_knob("look_ahead", "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
@@ -345,16 +341,27 @@ std::vector<SettingField> machine_fields() {
   };
 }
 
+// A group's heading in --help, and its fields.
+struct GroupOfFields {
+  SettingGroup group;
+  const char* title;
+  std::vector<SettingField> (*fields)();
+};
+constexpr GroupOfFields kGroups[] = {
+    {SettingGroup::Camera, "Camera", camera_fields},
+    {SettingGroup::Schedule, "Schedule", schedule_fields},
+    {SettingGroup::Sync, "Sync and trigger lines", sync_fields},
+    {SettingGroup::Fit, "Fit", fit_fields},
+    {SettingGroup::Knobs, "Knobs", knob_fields},
+    {SettingGroup::Output, "Output", output_fields},
+    {SettingGroup::Record, "Recording", record_fields},
+    {SettingGroup::Machine, "Machine", machine_fields},
+};
+
 std::vector<SettingField> all_fields() {
-  const std::pair<SettingGroup, std::vector<SettingField>> groups[] = {
-      {SettingGroup::Camera, camera_fields()}, {SettingGroup::Schedule, schedule_fields()},
-      {SettingGroup::Sync, sync_fields()},     {SettingGroup::Fit, fit_fields()},
-      {SettingGroup::Knobs, knob_fields()},    {SettingGroup::Output, output_fields()},
-      {SettingGroup::Record, record_fields()}, {SettingGroup::Machine, machine_fields()},
-  };
   std::vector<SettingField> all;
-  for (const auto& [group, fields] : groups)
-    for (SettingField field : fields) {
+  for (const auto& [group, title, fields] : kGroups)
+    for (SettingField& field : fields()) {
       field.group = group;
       all.push_back(std::move(field));
     }
@@ -369,25 +376,7 @@ std::span<const SettingField> setting_fields() {
 }
 
 const char* title(SettingGroup group) {
-  switch (group) {
-    case SettingGroup::Camera:
-      return "Camera";
-    case SettingGroup::Schedule:
-      return "Schedule";
-    case SettingGroup::Sync:
-      return "Sync and trigger lines";
-    case SettingGroup::Fit:
-      return "Fit";
-    case SettingGroup::Knobs:
-      return "Knobs";
-    case SettingGroup::Output:
-      return "Output";
-    case SettingGroup::Record:
-      return "Recording";
-    case SettingGroup::Machine:
-      return "Machine";
-  }
-  return "";
+  return std::ranges::find(kGroups, group, &GroupOfFields::group)->title;
 }
 
 const char* flag_of(const SettingField& field, std::span<const SettingGroup> groups) {
