@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -19,6 +20,17 @@ namespace hdrcam {
 
 // Says what a flag takes: "" for such a word, else a clause: "takes seconds, 0.001 to 60, not 'x'".
 using WordCheck = std::function<std::string(const std::string&)>;
+
+// Of a flag for a file or a folder, which takes any name. A shell hands over an empty word for "$OUT" where
+// OUT is not set.
+std::string names_file(const std::string& word);
+// The same of a flag for a folder to write, which takes no "-" either.
+std::string names_folder(const std::string& word);
+// The same of what is read, which may not be "-" either: nobody reads the standard input.
+std::string names_input(const std::string& word);
+
+// A word as a shell takes it: quoted where it must be.
+std::string shell_word(std::string_view word);
 
 // A flag, or an argument without dashes. Each call returns the same flag, for the next one.
 class Flag {

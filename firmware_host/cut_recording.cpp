@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/command_line.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {

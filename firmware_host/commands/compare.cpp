@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/json_flag.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_files.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/signed_text.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/freed_pictures.h"

@@ -2,11 +2,11 @@
 // not, it ends with an error.
 #include <memory>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
 #include "firmware_host/commands/snapshot_summary.h"
 #include "firmware_host/cut_recording.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/command_line.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"

@@ -3,9 +3,9 @@
 #include <span>
 #include <string>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/packaging/manual_pages.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/start_time.h"
 #include "hal/storage.h"
 

@@ -2,8 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/live/capture_setup.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/whole_percent.h"
 
 namespace hdrcam {

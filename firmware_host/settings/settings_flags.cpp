@@ -170,32 +170,6 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   return settings;
 }
 
-std::string names_file(const std::string& word) {
-  return word.empty() ? "takes the name of a file or a folder, not ''" : "";
-}
-
-std::string names_folder(const std::string& word) {
-  return word == "-" ? "takes the name of a folder, not '-', the standard output" : names_file(word);
-}
-
-std::string names_input(const std::string& word) {
-  return word == "-" ? "takes the name of a file, not '-': the standard input is not read" : names_file(word);
-}
-
-std::string shell_word(std::string_view word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
-  std::string quoted = "'";
-  for (const char c : word) {
-    if (c == '\'')
-      quoted += "'\\''";
-    else
-      quoted += c;
-  }
-  return quoted + "'";
-}
-
 Result<std::optional<Settings>> SettingsFlags::read_or_print(Storage& storage) const {
   Settings settings = TRY(read(storage));
   if (!given_->print_config) return std::optional(std::move(settings));

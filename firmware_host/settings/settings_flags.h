@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "firmware_host/command_line.h"
@@ -14,17 +13,6 @@
 #include "hal/storage.h"
 
 namespace hdrcam {
-
-// A word as a shell takes it: quoted where it must be.
-std::string shell_word(std::string_view word);
-
-// What a flag for a file or a folder takes: "" for a name, else a clause that says so. A shell hands over an
-// empty word for "$OUT" where OUT is not set.
-std::string names_file(const std::string& word);
-// The same of a flag for a folder to write, which takes no "-" either.
-std::string names_folder(const std::string& word);
-// The same of what is read, which may not be "-" either: nobody reads the standard input.
-std::string names_input(const std::string& word);
 
 class SettingsFlags {
  public:

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/command_line.h"
 #include "tests/places.h"
 #include "tests/support/shell.h"
 
