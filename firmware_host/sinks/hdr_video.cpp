@@ -74,12 +74,7 @@ class HdrVideo : public FrameSink {
                                format_.width_px, format_.height_px)};
     show(frame.radiance);
     repeat_edges();
-    ConstPicturePlanes planes;
-    for (std::size_t c = 0; c < 3; ++c) {
-      planes.data[c] = light_.plane(static_cast<int>(c));
-      planes.stride_bytes[c] = static_cast<std::ptrdiff_t>(sizeof(float)) * light_.cols();
-    }
-    TRY(converter_->convert(planes, writer_->planes()));
+    TRY(converter_->convert(planes_of(light_), writer_->planes()));
     return writer_->append(frame.facts.timestamp - start_);
   }
 
@@ -103,9 +98,8 @@ class HdrVideo : public FrameSink {
     light.tags = display_ ? ColorTags{h273::kPrimariesBt2020, h273::kTransferLinear, h273::kMatrixRgb}
                           : ColorTags{h273::kPrimariesBt709, h273::kTransferSrgb, h273::kMatrixRgb};
     converter_ = TRY(PictureConverter::create(light, format_.picture()));
-    constexpr int kStep = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(float));
-    light_ =
-        Image<float>(3, format_.coded_height_px(), (format_.coded_width_px() + kStep - 1) / kStep * kStep);
+    light_ = Image<float>(3, format_.coded_height_px(),
+                          PictureConverter::aligned_cols<float>(format_.coded_width_px()));
     writer_ = TRY(target_.open(format_));
     return {};
   }

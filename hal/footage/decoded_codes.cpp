@@ -47,9 +47,8 @@ ChromaSite chroma_site_of(const AVFrame& frame) {
 
 Result<void> DecodedCodes::begin(const AVFrame& frame, AVCodecID codec) {
   TRY(take_format(frame, codec));
-  const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
-  unpacked_ =
-      Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
+  unpacked_ = Image<std::uint16_t>(from_.planes(), from_.height_px,
+                                   PictureConverter::aligned_cols<std::uint16_t>(from_.width_px));
   const bool are_wanted = from_.colors != PictureColors::Yuv && from_.range == CodeRange::Full;
   return are_wanted ? Result<void>{} : open_converter();
 }
@@ -132,20 +131,9 @@ void DecodedCodes::unpack(const AVFrame& frame) {
   }
 }
 
-Result<void> DecodedCodes::convert() {
-  ConstPicturePlanes source;
-  PicturePlanes target;
-  const auto stride = static_cast<std::ptrdiff_t>(sizeof(std::uint16_t)) * unpacked_.cols();
-  for (std::size_t c = 0; c < static_cast<std::size_t>(from_.planes()); ++c) {
-    source.data[c] = unpacked_.plane(static_cast<int>(c)), source.stride_bytes[c] = stride;
-    target.data[c] = converted_.plane(static_cast<int>(c)), target.stride_bytes[c] = stride;
-  }
-  return converter_->convert(source, target);
-}
-
 Result<void> DecodedCodes::take(const AVFrame& frame, Orientation orientation, Image<std::uint16_t>& codes) {
   unpack(frame);
-  if (converter_) TRY(convert());
+  if (converter_) TRY(converter_->convert(planes_of(unpacked_), planes_of(converted_)));
   const Image<std::uint16_t>& result = converter_ ? converted_ : unpacked_;
   reshape_upright(from_.planes(), frame.height, frame.width, orientation, codes);
   for (int c = 0; c < codes.channels(); ++c)

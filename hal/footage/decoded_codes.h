@@ -35,7 +35,6 @@ class DecodedCodes {
   Result<void> take_format(const AVFrame& frame, AVCodecID codec);
   Result<void> open_converter();
   void unpack(const AVFrame& frame);
-  Result<void> convert();
 
   AVPixelFormat pixel_format_ = AV_PIX_FMT_NONE;
   PictureFormat from_;  // sides are multiples of the chroma's

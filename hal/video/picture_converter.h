@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "hal/core/image.h"
 #include "hal/core/result.h"
 #include "hal/video/color_tags.h"
 
@@ -39,13 +40,31 @@ struct PicturePlanes {
   std::array<std::ptrdiff_t, 3> stride_bytes{};
 };
 struct ConstPicturePlanes {
-  std::array<const void*, 3> data{};
-  std::array<std::ptrdiff_t, 3> stride_bytes{};
+  ConstPicturePlanes(const PicturePlanes& of)
+      : data{of.data[0], of.data[1], of.data[2]}, stride_bytes(of.stride_bytes) {}
+
+  std::array<const void*, 3> data;
+  std::array<std::ptrdiff_t, 3> stride_bytes;
 };
+
+// Of a picture whose rows are as long as PictureConverter::aligned_cols() says.
+template <class Sample>
+PicturePlanes planes_of(Image<Sample>& picture) {
+  PicturePlanes planes;
+  planes.stride_bytes.fill(static_cast<std::ptrdiff_t>(sizeof(Sample)) * picture.cols());
+  for (int c = 0; c < picture.channels(); ++c) planes.data[static_cast<std::size_t>(c)] = picture.plane(c);
+  return planes;
+}
 
 class PictureConverter {
  public:
   static constexpr int kAlignment_bytes = 64;
+  // The length of rows, in samples, that hold so many and begin where they must.
+  template <class Sample>
+  static constexpr int aligned_cols(int cols) {
+    constexpr int kStep = kAlignment_bytes / static_cast<int>(sizeof(Sample));
+    return (cols + kStep - 1) / kStep * kStep;
+  }
 
   // Errors: Unsupported where zimg knows no way from one to the other, with its words.
   static Result<PictureConverter> create(const PictureFormat& from, const PictureFormat& to);

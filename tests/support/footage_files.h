@@ -39,15 +39,12 @@ inline Result<void> write_video(const std::string& path, VideoCodec codec,
   auto converter = TRY(PictureConverter::create(codes, format.picture()));
   auto file = TRY(posix_storage().create(path));
   auto writer = TRY(VideoWriter::create(std::move(file), StorageStream::Direction::Write, format));
-  Image<std::uint16_t> aligned(3, format.height_px, (format.width_px + 31) / 32 * 32);
+  Image<std::uint16_t> aligned(3, format.height_px,
+                               PictureConverter::aligned_cols<std::uint16_t>(format.width_px));
   for (std::size_t i = 0; i < rgb.size(); ++i) {
-    ConstPicturePlanes planes;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
       for (int y = 0; y < rgb[i].rows(); ++y) std::copy_n(rgb[i].row(c, y), rgb[i].cols(), aligned.row(c, y));
-      planes.data[static_cast<std::size_t>(c)] = aligned.plane(c);
-      planes.stride_bytes[static_cast<std::size_t>(c)] = 2 * aligned.cols();
-    }
-    TRY(converter.convert(planes, writer->planes()));
+    TRY(converter.convert(planes_of(aligned), writer->planes()));
     const double time_s = times_s.empty() ? static_cast<double>(i) / framerate_hz : times_s[i];
     TRY(writer->append(from_seconds(time_s)));
   }

@@ -28,8 +28,7 @@ Result<void> LightPicture::fit_to(int rows, int cols) {
   signal.tags = kTags;
   signal.bits = kBits, signal.store = SampleStore::Words;
   converter_ = TRY(PictureConverter::create(light, signal));
-  constexpr int kStep = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
-  const int pitch = (cols + kStep - 1) / kStep * kStep;
+  const int pitch = PictureConverter::aligned_cols<std::uint16_t>(cols);  // more than enough for floats
   light_ = Image<float>(3, rows, pitch);
   signal_ = Image<std::uint16_t>(3, rows, pitch);
   rows_ = rows, cols_ = cols;
@@ -37,14 +36,7 @@ Result<void> LightPicture::fit_to(int rows, int cols) {
 }
 
 Result<void> LightPicture::convert(const Image<float>& radiance) {
-  ConstPicturePlanes from;
-  PicturePlanes to;
-  for (std::size_t c = 0; c < 3; ++c) {
-    from.data[c] = light_.plane(static_cast<int>(c)), to.data[c] = signal_.plane(static_cast<int>(c));
-    from.stride_bytes[c] = static_cast<std::ptrdiff_t>(sizeof(float)) * light_.cols();
-    to.stride_bytes[c] = static_cast<std::ptrdiff_t>(sizeof(std::uint16_t)) * signal_.cols();
-  }
-  TRY(converter_->convert(from, to));
+  TRY(converter_->convert(planes_of(light_), planes_of(signal_)));
   PngImage picture{16, Image<std::uint16_t>(3, radiance.rows(), radiance.cols()),
                    PngColors{h273::kPrimariesBt2020, h273::kTransferPq}};
   for (int c = 0; c < 3; ++c)
