@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+
+#include "hal/core/image.h"
 
 namespace hdrcam {
 
@@ -17,5 +20,9 @@ inline float srgb_light(float level) {
 }
 
 inline float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
+// Of a pixel of [rgb, rows, cols], counted along the rows.
+inline float luminance_at(const Image<float>& rgb, std::size_t pixel) {
+  return luminance(rgb.plane(0)[pixel], rgb.plane(1)[pixel], rgb.plane(2)[pixel]);
+}
 
 }  // namespace hdrcam

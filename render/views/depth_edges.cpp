@@ -51,8 +51,7 @@ void DepthEdges::measure_gaps(const Image<float>& radiance, float offset) {
   const int rows = radiance.rows(), cols = radiance.cols();
   log_luminance_.reshape(1, rows, cols);
   for (std::size_t i = 0; i < log_luminance_.size(); ++i)
-    log_luminance_.samples()[i] =
-        std::log(offset + luminance(radiance.plane(0)[i], radiance.plane(1)[i], radiance.plane(2)[i]));
+    log_luminance_.samples()[i] = std::log(offset + luminance_at(radiance, i));
   gap_.reshape(2, rows, cols);
   constexpr float kPerStep = kReach_px / kStep;
   pool_.for_rows(rows, [&](int y0, int y1) {

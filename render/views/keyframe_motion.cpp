@@ -27,8 +27,7 @@ void KeyframeMotion::show(const HdrFrame& frame, float white, Image<float>& code
   codes.reshape(1, frame.radiance.rows(), frame.radiance.cols());
   const float scale = 255 / std::log1p(kMu);
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const float light =
-        luminance(frame.radiance.plane(0)[i], frame.radiance.plane(1)[i], frame.radiance.plane(2)[i]);
+    const float light = luminance_at(frame.radiance, i);
     codes.samples()[i] = scale * std::log1p(kMu * std::clamp(light / white, 0.f, 1.f));
   }
 }

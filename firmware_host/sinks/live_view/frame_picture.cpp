@@ -22,11 +22,8 @@ std::uint8_t false_colour_code(double stops) {
 Image<std::uint8_t> in_false_colours(const Image<float>& radiance) {
   Image<std::uint8_t> codes;
   codes.reshape(1, radiance.rows(), radiance.cols());
-  const std::size_t n = radiance.plane_size();
-  const float* const r = radiance.plane(0);
-  const float* const g = radiance.plane(1);
-  const float* const b = radiance.plane(2);
-  for (std::size_t i = 0; i < n; ++i) codes.plane(0)[i] = false_colour_code(stops_of(r[i], g[i], b[i]));
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    codes.samples()[i] = false_colour_code(stops_of(luminance_at(radiance, i)));
   return false_colours(codes);
 }
 
@@ -65,9 +62,7 @@ std::optional<PictureLook> picture_look(std::string_view word) {
   return std::nullopt;
 }
 
-double stops_of(float r, float g, float b) {
-  return std::log2(static_cast<double>(std::max(kLeastHalf, luminance(r, g, b))));
-}
+double stops_of(float luminance) { return std::log2(static_cast<double>(std::max(kLeastHalf, luminance))); }
 
 Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureRequest& request) {
   if (sequence_ != frame.hdr.facts.sequence) {

@@ -21,8 +21,8 @@ std::optional<PictureLook> picture_look(std::string_view word);  // "tone", "fal
 // The radiances that false colours and the histogram tell apart, log2.
 constexpr double kLeastStop = -12, kMostStop = 8;
 
-// Rec. BT.709 luminance of a pixel, as log2; of black the least that a half float holds.
-double stops_of(float r, float g, float b);
+// Luminance (render/srgb.h) as log2; of black the least that a half float holds.
+double stops_of(float luminance);
 
 struct PictureRequest {
   PictureLook look = PictureLook::Tone;

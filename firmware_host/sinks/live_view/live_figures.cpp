@@ -13,6 +13,7 @@
 #include "firmware_host/version.h"
 #include "hal/core/json_text.h"
 #include "render/half.h"
+#include "render/srgb.h"
 
 namespace hdrcam {
 namespace {
@@ -26,12 +27,9 @@ float stored(float radiance) { return static_cast<float>(as_half(radiance)); }
 
 std::vector<int> radiance_histogram(const Image<float>& radiance) {
   std::vector<int> bins(kHistogramBins);
-  const float* const r = radiance.plane(0);
-  const float* const g = radiance.plane(1);
-  const float* const b = radiance.plane(2);
   for (std::size_t i = 0; i < radiance.plane_size(); ++i) {
-    const double place =
-        (stops_of(r[i], g[i], b[i]) - kLeastStop) * kHistogramBins / (kMostStop - kLeastStop);
+    const double stops = stops_of(luminance_at(radiance, i));
+    const double place = (stops - kLeastStop) * kHistogramBins / (kMostStop - kLeastStop);
     ++bins[static_cast<std::size_t>(std::clamp(place, 0.0, kHistogramBins - 1.0))];
   }
   return bins;
@@ -116,7 +114,7 @@ std::string pixel_json(const ShownFrame& frame, int x, int y) {
                   {"x", x},
                   {"y", y},
                   {"radiance", {rgb[0], rgb[1], rgb[2]}},
-                  {"stops", stops_of(rgb[0], rgb[1], rgb[2])},
+                  {"stops", stops_of(luminance(rgb[0], rgb[1], rgb[2]))},
                   {"sigma", frame.hdr.sigma.at(0, y, x)},
                   {"provenance", kProvenanceLooks[frame.hdr.provenance.at(0, y, x)].name}};
   return json_text(json);
