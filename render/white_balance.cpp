@@ -67,6 +67,12 @@ void apply_white_balance(const ChannelGains& gains, HdrFrame& frame) {
   frame.white_balance = gains;
 }
 
+void apply_white_balance(const ChannelGains& gains, Image<float>& radiance) {
+  for (std::size_t c = 0; c < gains.size(); ++c)
+    std::for_each_n(radiance.plane(static_cast<int>(c)), radiance.plane_size(),
+                    [gain = static_cast<float>(gains[c])](float& light) { light *= gain; });
+}
+
 std::optional<ChannelGains> gains_of_both(const std::optional<ChannelGains>& a,
                                           const std::optional<ChannelGains>& b) {
   if (!a || !b) return a ? a : b;

@@ -29,6 +29,8 @@ Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& want
 // sensor stays white, where the gains alone would make it magenta. `white` becomes that of the largest
 // channel.
 void apply_white_balance(const ChannelGains& gains, HdrFrame& frame);
+// Of a picture that has no such bounds, as of the field alone.
+void apply_white_balance(const ChannelGains& gains, Image<float>& radiance);
 
 // Those of both, one after the other.
 std::optional<ChannelGains> gains_of_both(const std::optional<ChannelGains>& a,

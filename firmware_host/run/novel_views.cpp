@@ -7,6 +7,7 @@
 #include "hal/core/geometry.h"
 #include "render/scores/motion_scores.h"
 #include "render/scores/order_statistics.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 
@@ -52,11 +53,7 @@ Result<void> NovelViews::render(const FrameEstimate& estimate, const std::option
   view.T_world_camera = view.T_world_camera * T_own_novel;
   estimate.field->look(view, *pool_, novel_);
 
-  for (std::size_t c = 0; gains && c < gains->size(); ++c) {
-    const auto factor = static_cast<float>((*gains)[c]);
-    float* radiance = novel_.radiance.plane(static_cast<int>(c));
-    for (std::size_t i = 0; i < novel_.radiance.plane_size(); ++i) radiance[i] *= factor;
-  }
+  if (gains) apply_white_balance(*gains, novel_.radiance);
   ExrPicture picture;
   picture.rows = novel_.radiance.rows(), picture.cols = novel_.radiance.cols();
   for (int c = 0; c < 3; ++c)
