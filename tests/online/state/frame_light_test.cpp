@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "tests/online/state/known_scene.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
@@ -24,30 +26,20 @@ float light(int c, int y, int x) {
 
 // A state that knows a scene, and frames of it.
 struct Lit {
-  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
-                      Image<float>(1, kRows, kCols)};
+  RadianceState state = test::known_scene(kRows, kCols, light);
   FlowField motion = test::uniform_flow(kRows, kCols, kShift);
-  ExposedFrame frame;
   FrameLight seen;
 
-  Lit() {
-    state.variance.fill(1e-8f);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x) state.radiance.at(c, y, x) = light(c, y, x);
-    frame.codes = Image<float>(3, kRows, kCols);
-  }
   // The exposure's factor, ln, of a frame in this light, ln over the state's. covered: of the picture, by
   // something eight times as bright.
   float follow(int number, float in_light, double covered = 0) {
-    frame.exposure = kExposures[static_cast<std::size_t>(number) % kExposures.size()];
-    const ExposureTables tables(Response::gamma(2.2f), {}, frame.exposure);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x) {
-          const float more = (x < covered * kCols ? 8 : 1) * std::exp(in_light);
-          frame.codes.at(c, y, x) = std::round(tables.code(c, more * light(c, y, x + kShift)));
-        }
+    const float exposure = kExposures[static_cast<std::size_t>(number) % kExposures.size()];
+    const ExposureTables tables(Response::gamma(2.2f), {}, exposure);
+    ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
+      const float more = (x < covered * kCols ? 8 : 1) * std::exp(in_light);
+      return std::round(tables.code(c, more * light(c, y, x + kShift)));
+    });
+    frame.exposure = exposure;
     return seen.follow({frame, state, motion, tables, unseen_variance_from(4)});
   }
 };

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/online/state/known_scene.h"
 #include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::quiet_tables;
 
 namespace {
 
@@ -15,27 +17,15 @@ constexpr int kRows = 120, kCols = 160;
 constexpr float kShiftX = 6, kShiftY = 3;  // pixels
 constexpr double kInterval_s = 1 / 30.0;
 
-const ExposureTables& tables() {
-  NoiseModel quiet;
-  quiet.full_well = 1e6f, quiet.code_noise = 0.1f;
-  static const ExposureTables kTables(Response::gamma(2.2f), quiet, 1);
-  return kTables;
-}
-
 // What a frame shows of a texture without a direction, which the state knows.
 struct Moving {
-  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
-                      Image<float>(1, kRows, kCols)};
+  RadianceState state = test::known_scene(
+      kRows, kCols, [](int, int y, int x) { return light(static_cast<float>(x), static_cast<float>(y)); });
   FlowField motion = test::uniform_flow(kRows, kCols, kShiftX, kShiftY);
   ExposedFrame frame;
   WorkerPool pool;
 
   explicit Moving(double exposure_s, int threads = 1) : pool(threads) {
-    state.variance.fill(1e-8f);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x)
-          state.radiance.at(c, y, x) = light(static_cast<float>(x), static_cast<float>(y));
     frame.facts.exposure_s = exposure_s;
     frame.facts.exposure_source = ExposureSource::Reported;
     frame.interval_s = kInterval_s;
@@ -58,7 +48,7 @@ struct Moving {
             sum += light(static_cast<float>(x) + kShiftX + t * over_x,
                          static_cast<float>(y) + kShiftY + t * over_y);
           }
-          frame.codes.at(c, y, x) = tables().code(c, sum / static_cast<float>(n));
+          frame.codes.at(c, y, x) = quiet_tables().code(c, sum / static_cast<float>(n));
         }
   }
   float stated() const { return ShownBlur::stated(frame); }
@@ -68,7 +58,7 @@ struct Moving {
     ShownBlur blur(pool);
     for (int i = 0; i < frames; ++i) {
       blur.observe_exposure(frame);
-      blur.observe({frame, state, motion, tables(), unseen_variance_from(4)}, stated());
+      blur.observe({frame, state, motion, quiet_tables(), unseen_variance_from(4)}, stated());
     }
     return blur.shown();
   }
@@ -132,7 +122,7 @@ TEST_CASE("edges along the motion tell nothing of motion blur") {
       for (int c = 0; c < 3; ++c) {
         const float across = (static_cast<float>(y) * kShiftX - static_cast<float>(x) * kShiftY) / 7;
         moving.state.radiance.at(c, y, x) = 0.2f + 0.05f * std::sin(across);
-        moving.frame.codes.at(c, y, x) = tables().code(c, moving.state.radiance.at(c, y, x));
+        moving.frame.codes.at(c, y, x) = quiet_tables().code(c, moving.state.radiance.at(c, y, x));
       }
   CHECK(moving.shown());
 }

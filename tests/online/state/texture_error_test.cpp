@@ -4,44 +4,34 @@
 
 #include "online/pictures/local_statistics.h"
 #include "online/state/fusion.h"
+#include "tests/online/state/known_scene.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::quiet_tables;
 
 namespace {
 
 constexpr int kRows = 72, kCols = 96;
-constexpr float kWell = 1e6f;
 const float kUnseen = unseen_variance_from(4);
-
-const ExposureTables& tables() {
-  NoiseModel quiet;
-  quiet.full_well = kWell, quiet.code_noise = 0.1f;
-  static const ExposureTables kTables(Response::gamma(2.2f), quiet, 1);
-  return kTables;
-}
 
 // What one frame shows of a texture that the state knows, moved by whole pixels.
 struct Texture {
-  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
-                      Image<float>(1, kRows, kCols)};
   static constexpr int kShift = 2;
+  RadianceState state;
   FlowField motion = test::uniform_flow(kRows, kCols, kShift);
   ExposedFrame frame;
   WorkerPool pool{1};
 
-  explicit Texture(float amplitude) {
-    state.variance.fill(1e-8f);
-    frame.codes = Image<float>(3, kRows, kCols);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x) {
-          state.radiance.at(c, y, x) = light(amplitude, c, y, x);
-          frame.codes.at(c, y, x) = std::round(tables().code(c, light(amplitude, c, y, x + kShift)));
-        }
-  }
+  explicit Texture(float amplitude)
+      : state(
+            test::known_scene(kRows, kCols, [&](int c, int y, int x) { return light(amplitude, c, y, x); })),
+        frame(test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
+          return std::round(quiet_tables().code(c, light(amplitude, c, y, x + kShift)));
+        })) {}
   static float light(float amplitude, int c, int y, int x) {
     return 0.2f + amplitude * static_cast<float>(std::sin(1.3 * x + c) * std::sin(1.1 * y));
   }
@@ -54,7 +44,7 @@ struct Texture {
   }
   float found(int frames = 20) {
     TextureError error(pool);
-    for (int i = 0; i < frames; ++i) error.observe({frame, state, motion, tables(), kUnseen});
+    for (int i = 0; i < frames; ++i) error.observe({frame, state, motion, quiet_tables(), kUnseen});
     return error.share();
   }
 };
@@ -81,7 +71,7 @@ TEST_CASE(
     Texture texture(amplitude);
     Fusion fusion({}, texture.pool);
     NoiseModel noise;
-    noise.full_well = kWell, noise.code_noise = code_noise;
+    noise.full_well = test::kQuietWell, noise.code_noise = code_noise;
     ExposureTables sampled(Response::gamma(2.2f), noise, 1);
     sampled.set_texture_error(texture_error);
     Samples samples;
