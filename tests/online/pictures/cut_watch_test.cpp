@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/coded_frame.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -19,13 +21,10 @@ double texture(double pattern, int x, int y) {
 }
 
 ExposedFrame picture(float exposure, double pattern) {
-  ExposedFrame frame;
+  ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int, int y, int x) {
+    return exposure * static_cast<float>(60 + 25 * texture(pattern, x, y));
+  });
   frame.exposure = exposure;
-  frame.codes = Image<float>(3, kRows, kCols);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kCols; ++x)
-        frame.codes.at(c, y, x) = exposure * static_cast<float>(60 + 25 * texture(pattern, x, y));
   return frame;
 }
 

@@ -27,11 +27,15 @@ double noise_at(int frame, int channel, int y, int x) {
       static_cast<std::uint64_t>(((frame * 3 + channel) * kRows + y) * kCols + x + 1));
 }
 
-// Frames of a smooth scene over ten stops, as a sensor of that noise records them.
+// Smooth, over ten stops.
+double scene_at(int c, int y, int x) {
+  return std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
+}
+
+// Frames of that scene, as a sensor of that noise records them.
 ExposedFrame recorded(int index, float exposure, const Response& response) {
   ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
-    const double scene = std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
-    const double light = std::min(1.0, static_cast<double>(exposure) * scene);
+    const double light = std::min(1.0, static_cast<double>(exposure) * scene_at(c, y, x));
     const double seen = std::clamp(light + noise_at(index, c, y, x) * spread_of_light(light), 0.0, 1.0);
     return std::round(response.code_of(c, static_cast<float>(seen)));
   });
@@ -100,8 +104,7 @@ TEST_CASE("noise that codes of 8 bits hide is found where codes have 12 bits") {
     NoiseLevels noise(step, bits);
     for (int i = 0; i < 6; ++i) {
       ExposedFrame frame = test::coded_frame(kRows, kCols, [&](int c, int y, int x) {
-        const double scene = std::exp2(-5 + 5 * std::sin(x * 0.03 + 0.4 * c) * std::cos(y * 0.025));
-        const double light = std::min(1.0, (i % 2 == 0 ? 0.06 : 1) * scene);
+        const double light = std::min(1.0, (i % 2 == 0 ? 0.06 : 1) * scene_at(c, y, x));
         const double seen = std::clamp(light + noise_at(i, c, y, x) * shot(light), 0.0, 1.0);
         return std::round(response.code_of(c, static_cast<float>(seen)) / step) * step;
       });

@@ -5,6 +5,7 @@
 #include "capture/to_exposed_frame.h"
 #include "online/priors/motion/motion_estimator.h"
 #include "online/state/state_filter.h"
+#include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -18,15 +19,11 @@ constexpr int kRows = 64, kCols = 96;
 // What a linear camera shows of a picture of codes, all channels the same.
 template <class Code>
 ExposedFrame frame_of(int index, float exposure, Code&& code_at) {
-  ExposedFrame frame;
+  ExposedFrame frame = test::coded_frame(
+      kRows, kCols, [&](int, int y, int x) { return code_at(static_cast<float>(x), static_cast<float>(y)); });
   frame.index = index;
   frame.facts.timestamp = Instant::from_seconds(index / 30.);
   frame.exposure = exposure;
-  frame.codes = Image<float>(3, kRows, kCols);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kCols; ++x)
-        frame.codes.at(c, y, x) = code_at(static_cast<float>(x), static_cast<float>(y));
   return frame;
 }
 
