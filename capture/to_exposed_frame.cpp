@@ -21,13 +21,6 @@ double blur_fraction_of(const FrameFacts& facts, double interval_s, double frame
 
 }  // namespace
 
-Result<ExposedFrame> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
-                                      const ExposedFrameSettings& settings) {
-  ExposedFrame frame;
-  TRY(to_exposed_frame(raw, index, interval_s, settings, frame));
-  return frame;
-}
-
 Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
                               const ExposedFrameSettings& settings, ExposedFrame& frame) {
   TRY(check_exposure(raw.facts));

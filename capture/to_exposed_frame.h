@@ -27,10 +27,8 @@ struct ExposedFrameSettings {
 };
 
 // A Bayer mosaic is demosaiced (demosaic.h), mono is repeated on the three channels. `interval_s` is the time
-// since the previous frame, seconds. Errors: those of check_exposure().
-Result<ExposedFrame> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
-                                      const ExposedFrameSettings& settings);
-// The same into a frame whose storage is reused; its content is undefined after an error.
+// since the previous frame, seconds. The frame's storage is reused; its content is undefined after an error.
+// Errors: those of check_exposure().
 Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
                               const ExposedFrameSettings& settings, ExposedFrame& frame);
 

@@ -3,7 +3,6 @@
 // HDRCAM_TEST_GPU names the device. Transfers are part of the time. The label names what computed.
 #include <benchmark/benchmark.h>
 
-#include "capture/to_exposed_frame.h"
 #include "online/priors/motion/vulkan/vulkan_flow.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
@@ -71,10 +70,8 @@ struct Bench {
     if (state.range(0) == 1 && (gpu = the_gpu()) == nullptr)
       state.SkipWithError("there is no graphics device");
     state.SetLabel(gpu != nullptr ? gpu->facts().name : "processor");
-    ExposedFrameSettings settings;
-    settings.reference_exposure = 0.004;
     for (int i = 0; i < count; ++i) {
-      frames.push_back(to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value());
+      frames.push_back(test::exposed(scene.frame(i), i));
       tables.emplace_back(response, NoiseModel(), frames.back().exposure);
     }
     std::fill_n(motion.vectors.plane(0), motion.vectors.plane_size(), -1.3f);

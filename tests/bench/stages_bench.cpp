@@ -2,7 +2,6 @@
 // run mean something, times from different machines do not.
 #include <benchmark/benchmark.h>
 
-#include "capture/to_exposed_frame.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 #include "online/priors/motion/motion_estimator.h"
@@ -43,11 +42,8 @@ struct Bench {
     return scene;
   }
   static std::vector<ExposedFrame> exposed(const test::MovingScene& scene) {
-    ExposedFrameSettings settings;
-    settings.reference_exposure = 0.004;
     std::vector<ExposedFrame> frames;
-    for (int i = 0; i < 6; ++i)
-      frames.push_back(to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value());
+    for (int i = 0; i < 6; ++i) frames.push_back(test::exposed(scene.frame(i), i));
     return frames;
   }
 };

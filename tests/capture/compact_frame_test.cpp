@@ -22,6 +22,14 @@ RawFrame random_frame(int bits, int channels) {
   return raw;
 }
 
+ExposedFrame exposed(int bits) {
+  ExposedFrame frame;
+  REQUIRE(
+      to_exposed_frame(random_frame(bits, 3), 3, 1 / 30.0, {.bits = bits, .reference_exposure = 0.002}, frame)
+          .ok());
+  return frame;
+}
+
 void check_same(const ExposedFrame& frame, const ExposedFrame& restored) {
   CHECK(restored.facts.sequence == frame.facts.sequence);
   CHECK(restored.index == frame.index);
@@ -38,9 +46,8 @@ void check_same(const ExposedFrame& frame, const ExposedFrame& restored) {
 TEST_CASE("a frame waits in one or two bytes a sample and comes back to the bit") {
   for (const int bits : {8, 9, 10, 12, 14, 16}) {
     INFO(bits << " bits");
-    const ExposedFrameSettings settings{.bits = bits, .reference_exposure = 0.002};
-    const ExposedFrame frame = to_exposed_frame(random_frame(bits, 3), 3, 1 / 30.0, settings).value();
-    const CompactFrame waiting(to_exposed_frame(random_frame(bits, 3), 3, 1 / 30.0, settings).value(), bits);
+    const ExposedFrame frame = exposed(bits);
+    const CompactFrame waiting(exposed(bits), bits);
     CHECK(waiting.bytes() == frame.codes.size() * (bits <= 8 ? 1 : 2));
     ExposedFrame restored;
     waiting.restore(restored);
@@ -49,10 +56,9 @@ TEST_CASE("a frame waits in one or two bytes a sample and comes back to the bit"
 }
 
 TEST_CASE("a frame whose codes were already worked on waits as it is") {
-  const ExposedFrameSettings settings{.bits = 8, .reference_exposure = 0.002};
-  ExposedFrame frame = to_exposed_frame(random_frame(8, 3), 3, 1 / 30.0, settings).value();
+  ExposedFrame frame = exposed(8);
   remove_black_level(frame, BlackLevel(4));
-  ExposedFrame again = to_exposed_frame(random_frame(8, 3), 3, 1 / 30.0, settings).value();
+  ExposedFrame again = exposed(8);
   remove_black_level(again, BlackLevel(4));
   const CompactFrame waiting(std::move(again), 8);
   CHECK(waiting.bytes() == frame.codes.size() * sizeof(float));

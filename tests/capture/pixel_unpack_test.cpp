@@ -302,11 +302,12 @@ TEST_CASE("a Bayer frame becomes an exposed frame of three channels", "[capture]
   RawFrame raw;
   raw.facts.exposure_s = 0.004;
   raw.codes = mosaic_of(PixelLayout::BayerGbrg, 6, 8, [](int c, int, int) { return 341 * (c + 1); });
-  const auto frame = to_exposed_frame(
-      raw, 0, 0.033, {.bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
-  REQUIRE(frame.ok());
-  for (int c = 0; c < 3; ++c) CHECK(frame.value().codes.at(c, 3, 3) == Approx(85.0 * (c + 1)));
-  CHECK(frame.value().exposure == 1);
+  const ExposedFrameSettings settings{
+      .bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg};
+  ExposedFrame frame;
+  REQUIRE(to_exposed_frame(raw, 0, 0.033, settings, frame).ok());
+  for (int c = 0; c < 3; ++c) CHECK(frame.codes.at(c, 3, 3) == Approx(85.0 * (c + 1)));
+  CHECK(frame.exposure == 1);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "capture/to_exposed_frame.h"
 #include "hal/core/frame.h"
 #include "online/response/response.h"
 
@@ -80,5 +81,12 @@ struct MovingScene {
     return raw;
   }
 };
+
+// A frame of the scene as capture/ hands it on, relative to the middle exposure of its cycle.
+inline ExposedFrame exposed(const RawFrame& raw, int index) {
+  ExposedFrame frame;
+  to_exposed_frame(raw, index, 1 / 30., {.reference_exposure = 0.004}, frame).value();
+  return frame;
+}
 
 }  // namespace hdrcam::test

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include "capture/to_exposed_frame.h"
 #include "tests/support/coded_frame.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/uniform_flow.h"
@@ -19,13 +18,11 @@ NoiseModel found_in(const test::MovingScene& scene, const Response& response,
                     const std::optional<NoiseModel>& seen = std::nullopt) {
   WorkerPool pool(2);
   const FlowField still = test::uniform_flow(scene.rows, scene.cols);
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
   NoiseEstimator estimator(pool);
   if (seen) estimator.expect(*seen);
   for (int i = 0; i + 1 < 9; ++i) {
-    const auto a = to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value();
-    const auto b = to_exposed_frame(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
+    const auto a = test::exposed(scene.frame(i), i);
+    const auto b = test::exposed(scene.frame(i + 1), i + 1);
     if (a.exposure <= b.exposure)
       estimator.add_pair(a, b, still, response);
     else

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "capture/to_exposed_frame.h"
 #include "online/response/response_estimator.h"
 #include "tests/support/moving_scene.h"
 
@@ -20,11 +19,10 @@ constexpr std::array<double, 6> kSteady{1, 1, 1, 1, 1, 1}, kLamps{1.25, 0.8, 1, 
 
 std::vector<float> light_of(test::MovingScene scene, const std::array<double, 6>& light) {
   const double sensitivity = scene.sensitivity;
-  const ExposedFrameSettings settings{.reference_exposure = 0.004};
   std::vector<CompactFrame> frames;
   for (int i = 0; i < 6; ++i) {
     scene.sensitivity = sensitivity * light[static_cast<std::size_t>(i)];
-    frames.emplace_back(to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value(), 8);
+    frames.emplace_back(test::exposed(scene.frame(i), i), 8);
   }
   return unsteady_light(frames, prior_mean_response());
 }

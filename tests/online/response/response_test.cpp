@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "capture/to_exposed_frame.h"
 #include "online/response/curve_prior.h"
 #include "online/response/histogram_matches.h"
 #include "online/response/match_evidence.h"
@@ -26,11 +25,8 @@ using test::response_error;
 namespace {
 
 std::vector<ExposedFrame> exposed(const test::MovingScene& scene, int count) {
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
   std::vector<ExposedFrame> frames;
-  for (int i = 0; i < count; ++i)
-    frames.push_back(to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value());
+  for (int i = 0; i < count; ++i) frames.push_back(test::exposed(scene.frame(i), i));
   return frames;
 }
 

@@ -4,23 +4,17 @@
 #include <array>
 #include <cmath>
 
-#include "capture/to_exposed_frame.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/uniform_flow.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::exposed;
 
 namespace {
 
 const float kUnseen = unseen_variance_from(4);
-
-ExposedFrame unpacked(const RawFrame& raw, int index) {
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
-  return to_exposed_frame(raw, index, 1 / 30., settings).value();
-}
 
 }  // namespace
 
@@ -51,7 +45,7 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
   };
   Sums first, last;
   for (int i = 0; i < 12; ++i) {
-    const auto frame = unpacked(scene.frame(i), i);
+    const auto frame = exposed(scene.frame(i), i);
     const ExposureTables tables(response, noise, frame.exposure);
     if (i == 0)
       filter.restart({frame, tables, kUnseen});
@@ -229,7 +223,7 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
   StateFilter filter({}, scene.rows, scene.cols, pool);
   float highest = 0;
   for (int i = 0; i < 6; ++i) {  // ends on a longer exposure, whose bound is lower than what is known
-    const auto frame = unpacked(scene.frame(i), i);
+    const auto frame = exposed(scene.frame(i), i);
     const ExposureTables tables(Response::gamma(2.2f), {}, frame.exposure);
     if (i == 0)
       filter.restart({frame, tables, kUnseen});

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <random>
 
-#include "capture/to_exposed_frame.h"
 #include "online/priors/motion/motion_estimator.h"
 #include "online/state/state_filter.h"
 #include "tests/support/coded_frame.h"
@@ -90,10 +89,8 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
   scene.drift_px = 2.5, scene.disc_px = 2.5;
   WorkerPool pool(2);
   const Response response = Response::gamma(scene.gamma);
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
-  const auto before = to_exposed_frame(scene.frame(1), 0, 1 / 30., settings).value();
-  const auto after = to_exposed_frame(scene.frame(2), 1, 1 / 30., settings).value();  // two stops longer
+  const auto before = test::exposed(scene.frame(1), 0);
+  const auto after = test::exposed(scene.frame(2), 1);  // two stops longer
   StateFilter filter({}, scene.rows, scene.cols, pool);
   filter.restart({before, ExposureTables(response, {}, before.exposure), unseen_variance_from(4)});
   MotionEstimator estimator(scene.rows, scene.cols, pool);
@@ -140,12 +137,10 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
   test::MovingScene scene;
   scene.drift_px = 2.5, scene.disc_px = 2.5;
   const Response response = Response::gamma(scene.gamma);
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
   for (const int rows : {kSmall, 120}) {
     scene.rows = rows, scene.cols = rows + 40;
-    const auto before = to_exposed_frame(scene.frame(1), 0, 1 / 30., settings).value();
-    const auto after = to_exposed_frame(scene.frame(2), 1, 1 / 30., settings).value();
+    const auto before = test::exposed(scene.frame(1), 0);
+    const auto after = test::exposed(scene.frame(2), 1);
     const ExposureTables tables(response, {}, after.exposure);
     std::vector<float> results[2];
     for (const int threads : {1, 3}) {

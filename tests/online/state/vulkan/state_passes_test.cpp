@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "capture/to_exposed_frame.h"
 #include "hal/fault/faulty_gpu.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
@@ -38,9 +37,7 @@ FlowField swirl(float strength) {
 ExposedFrame exposed(int index) {
   test::MovingScene scene;
   scene.rows = kRows, scene.cols = kCols;
-  ExposedFrameSettings settings;
-  settings.reference_exposure = 0.004;
-  return to_exposed_frame(scene.frame(index), index, 1 / 30., settings).value();
+  return test::exposed(scene.frame(index), index);
 }
 
 ExposureTables tables_at(float exposure) {
