@@ -72,12 +72,4 @@ Result<void> set_knob(Knobs& knobs, std::string_view name, std::string_view text
   return {};
 }
 
-Result<void> set_knob(Knobs& knobs, std::string_view assignment) {
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string_view::npos)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' has no value; write NAME=VALUE, such as steps=100", assignment)};
-  return set_knob(knobs, assignment.substr(0, equals), assignment.substr(equals + 1));
-}
-
 }  // namespace hdrcam

@@ -82,8 +82,6 @@ Result<std::string> knob_value(const Knobs& knobs, std::string_view name);
 // Invalid for an unknown name, or a value that does not parse or is out of range; the message states the
 // valid values.
 Result<void> set_knob(Knobs& knobs, std::string_view name, std::string_view value);
-// The same for "NAME=VALUE" from a command line.
-Result<void> set_knob(Knobs& knobs, std::string_view assignment);
 // The valid values as text for help and messages: "a whole number, 0..1000 steps".
 std::string accepted_values(const Knob& knob);
 

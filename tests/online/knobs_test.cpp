@@ -50,28 +50,28 @@ TEST_CASE("each knob can be set to both ends of its range, reads back what was s
 TEST_CASE("a value beyond the range, of another kind or for no knob is refused with what would do",
           "[knobs]") {
   struct Case {
-    const char* assignment;
-    const char* says;
+    const char *knob, *value, *says;
   };
   const Case cases[] = {
-      {"steps=-1", "steps takes a whole number, 0..1000 steps, not '-1'"},
-      {"steps=1.5", "steps takes a whole number, 0..1000 steps, not '1.5'"},
-      {"steps=", "steps takes a whole number, 0..1000 steps, not ''"},
-      {"steps=10x", "steps takes a whole number, 0..1000 steps, not '10x'"},
-      {"steps=nan", "steps takes a whole number, 0..1000 steps, not 'nan'"},
-      {"rays_per_step=100", "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
-      {"static_levels=7", "static_levels takes a whole number, 2..16 levels, a multiple of 2, not '7'"},
-      {"dynamic_levels=1", "dynamic_levels takes a whole number, 2..16 levels, a multiple of 2, not '1'"},
-      {"state.gate_tolerance=-1", "state.gate_tolerance takes a number, 0..1000000000 mean chi^2, not '-1'"},
-      {"table_rate=2", "table_rate takes a number, 0.00001..1, not '2'"},
-      {"flow=finest", "flow takes coarse, fast, medium or fine, not 'finest'"},
-      {"step=10", "there is no knob 'step'; there are"},
-      {"steps", "'steps' has no value; write NAME=VALUE, such as steps=100"},
+      {"steps", "-1", "steps takes a whole number, 0..1000 steps, not '-1'"},
+      {"steps", "1.5", "steps takes a whole number, 0..1000 steps, not '1.5'"},
+      {"steps", "", "steps takes a whole number, 0..1000 steps, not ''"},
+      {"steps", "10x", "steps takes a whole number, 0..1000 steps, not '10x'"},
+      {"steps", "nan", "steps takes a whole number, 0..1000 steps, not 'nan'"},
+      {"rays_per_step", "100",
+       "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
+      {"static_levels", "7", "static_levels takes a whole number, 2..16 levels, a multiple of 2, not '7'"},
+      {"dynamic_levels", "1", "dynamic_levels takes a whole number, 2..16 levels, a multiple of 2, not '1'"},
+      {"state.gate_tolerance", "-1",
+       "state.gate_tolerance takes a number, 0..1000000000 mean chi^2, not '-1'"},
+      {"table_rate", "2", "table_rate takes a number, 0.00001..1, not '2'"},
+      {"flow", "finest", "flow takes coarse, fast, medium or fine, not 'finest'"},
+      {"step", "10", "there is no knob 'step'; there are"},
   };
   for (const Case& c : cases) {
-    INFO(c.assignment);
+    INFO(c.knob << '=' << c.value);
     Knobs knobs = knobs_of(Preset::Balanced);
-    const Result<void> set = set_knob(knobs, c.assignment);
+    const Result<void> set = set_knob(knobs, c.knob, c.value);
     REQUIRE_FALSE(set.ok());
     CHECK(set.error().code == ErrorCode::Invalid);
     CHECK(set.error().message.find(c.says) == 0);
