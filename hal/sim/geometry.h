@@ -25,6 +25,9 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 // Linear radiance, relative; also albedo.
 using Colour = Vec3;
 inline float luminance(Colour c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
+// Of log2 radiance, in stops.
+inline Colour exp2(Colour stops) { return {std::exp2(stops.x), std::exp2(stops.y), std::exp2(stops.z)}; }
+inline Colour grey(float stops) { return {stops, stops, stops}; }
 
 // By columns.
 struct Mat3 {

@@ -11,9 +11,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-Colour exp2(Colour stops) { return {std::exp2(stops.x), std::exp2(stops.y), std::exp2(stops.z)}; }
-Colour grey(float stops) { return {stops, stops, stops}; }
-
 struct Look {
   Vec3 direction;       // normalised
   float azimuth = 0;    // radians, 0 ahead, to the right

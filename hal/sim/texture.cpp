@@ -13,9 +13,6 @@ namespace {
 
 constexpr std::uint64_t kTintStream = 0x74696e74;
 
-Colour exp2(Colour stops) { return {std::exp2(stops.x), std::exp2(stops.y), std::exp2(stops.z)}; }
-Colour grey(float stops) { return {stops, stops, stops}; }
-
 // Colour of the n-th element of a pattern, in stops around grey.
 Colour tint(std::uint64_t seed, std::uint64_t n, float strength) {
   const CounterRandom random(seed, kTintStream, n);
