@@ -14,7 +14,8 @@
 #include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/film/steady_path.h"
 #include "firmware_host/sinks/run_record.h"
-#include "online/online_stage.h"
+#include "online/frame_estimate.h"
+#include "online/response/response.h"
 #include "render/views/keyframe_maker.h"
 #include "render/views/view_renderer.h"
 

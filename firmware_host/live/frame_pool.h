@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture/capture_stage.h"
+#include "capture/captured_frame.h"
 
 namespace hdrcam {
 

@@ -22,6 +22,7 @@
 #include <thread>
 #include <vector>
 
+#include "capture/capture_stage.h"
 #include "firmware_host/live/fit_inbox.h"
 #include "firmware_host/live/frame_pool.h"
 #include "firmware_host/live/recorder.h"

@@ -8,9 +8,9 @@
 
 #include "firmware_host/run_pace.h"
 #include "firmware_host/settings/settings.h"
+#include "hal/core/frame.h"
 #include "hal/core/result.h"
 #include "render/exr.h"
-#include "render/hdr_frame.h"
 
 namespace hdrcam {
 

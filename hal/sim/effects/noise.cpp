@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "hal/sim/counter_random.h"
 
 namespace hdrcam {
 namespace {

@@ -3,9 +3,8 @@
 // computes it. Value type, reentrant.
 #pragma once
 
+#include <cstdint>
 #include <span>
-
-#include "hal/sim/counter_random.h"
 
 namespace hdrcam {
 
