@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "hal/core/median.h"
+
 namespace hdrcam {
 namespace {
 
@@ -97,6 +99,13 @@ double PointTracks::static_share(double px) const {
   for (std::size_t i = 0; i < points_.size(); ++i)
     if (points_[i].seen) ++all, static_points += histories_[i].moved_px < px;
   return all > 0 ? static_cast<double>(static_points) / all : 0;
+}
+
+double PointTracks::way_px(std::vector<double>& ways) const {
+  ways.clear();
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (points_[i].seen) ways.push_back((points_[i].seen_px - histories_[i].first_px).norm());
+  return median(ways);
 }
 
 int PointTracks::seen() const {
@@ -229,7 +238,7 @@ void PointTracks::seed(const Image<float>& confidence, const CameraView& view, D
       point.information = 1 / (spread * spread);
       point.seen_px = px;
       points_.push_back(point);
-      histories_.push_back({.seed_information = point.information});
+      histories_.push_back({.seed_information = point.information, .first_px = px});
     }
 }
 

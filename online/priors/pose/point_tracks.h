@@ -56,6 +56,8 @@ class PointTracks {
   // Updates the flow's noise to `scale` times the assumed one, at the rate 0..1.
   void learn_noise(double scale, double rate);
   double noise_px() const { return noise_px_; }
+  // How far the seen points are from where they were first seen, in the median. `ways` is scratch memory.
+  double way_px(std::vector<double>& ways) const;
   // Predicts the unseen points' positions; drops points outside the frame, too old or too long unseen.
   void coast(const CameraView& view);
   // Marks all points of this frame as unreliable.
@@ -75,6 +77,7 @@ class PointTracks {
     double seed_information = 1;  // of the prior it started with
     double moved_px = 0;          // by the last follow()
     int age = 0, unseen = 0, outlier = 0;
+    Eigen::Vector2d first_px = Eigen::Vector2d::Zero();  // where it was first seen
   };
 
   void remove(std::size_t i);

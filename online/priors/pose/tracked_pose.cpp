@@ -15,19 +15,21 @@ namespace {
 constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
 constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160,
               kDepthSteps = 6;
-constexpr double kSameHeading = 0.9;     // cosine
-constexpr double kUnexplained_px = 0.6;  // an error above the flow's usual noise
+constexpr double kSameHeading = 0.9;  // cosine
+// An error above the flow's usual noise; of a point's way, that above what a chain of flow gathers in a pan
+// (2 to 3 percent) and what a lens that bends the picture adds (5).
+constexpr double kUnexplained_px = 0.6, kUnexplainedOfWay = 0.1;
 constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
 
-// Share of the seen points that clearly disagree with the pose.
+// Share of the seen points that disagree with the pose by more than this.
 double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens,
-                         const RigidTransform& T_camera_world) {
+                         const RigidTransform& T_camera_world, double px) {
   int seen = 0, off = 0;
   for (const ScenePoint& point : points) {
     if (!point.seen) continue;
     const auto r = point_residual(point, point.inverse_depth, lens, T_camera_world);
-    const bool near = r && r->px.norm() < kUnexplained_px;
+    const bool near = r && r->px.norm() < px;
     ++seen, off += !near;
   }
   return seen > 0 ? static_cast<double>(off) / seen : 0;
@@ -168,7 +170,9 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   note_velocity(turned.T_camera_world);
   accept(turned.T_camera_world, Centre::Kept);
   const auto points = tracks_.points();
-  if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
+  const double unexplained_px = std::max(kUnexplained_px, kUnexplainedOfWay * tracks_.way_px(errors_));
+  if (unexplained_share(points, lens_, turned.T_camera_world, unexplained_px) < options_.parallax_share)
+    return;
 
   const std::vector<ScenePoint> some = thinned(points, kHeadingPoints);
   std::vector<Heading> headings = search_headings(some, lens_, turned.T_camera_world, kHeadingsTried);
