@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <utility>
 
 #include "online/scene/hash_grid/field/vulkan/vulkan_probe.h"
 
@@ -11,6 +12,9 @@ namespace {
 
 constexpr int kStripes = 8;  // units of work, each with a probe; enough for the usual numbers of threads
 constexpr float kFarthest = 0.02f;  // inverse depth of what a whole row does not show
+constexpr float kAtRest_px = 0.5f;  // what moves less than this between two frames
+constexpr float kBehind = 1.2f;  // times the inverse depth beside a hole, at most, is that of what is in it
+constexpr int kHole = 2;         // tiles without a surface; fewer are gaps between the pixels of one
 
 // The nearest frame and the distance to it in frame intervals.
 ProbeView probe_view(const WindowFrames& window, const RigidTransform& T_world_camera, double time_s) {
@@ -72,6 +76,12 @@ void store(const ProbeAnswer& answer, const float* flow_scale, int y, int x, Fie
           std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / flow_scale[a] : 0.f;
 }
 
+// Whether a frame's neighbours show what it sees in a pixel where the poses say.
+bool is_at_rest(const BasePixel& base) {
+  return std::all_of(base.begin() + kBaseFlow, base.begin() + kBaseConfidence,
+                     [](float px) { return std::abs(px) < kAtRest_px; });
+}
+
 }  // namespace
 
 FieldRenderer::FieldRenderer(GpuDevice* gpu) {
@@ -86,38 +96,95 @@ FieldRenderer::FieldRenderer(GpuDevice* gpu) {
 FieldRenderer::~FieldRenderer() = default;
 
 // The surface of a frame in another view: each of its pixels is projected into the view, and nearer ones
-// win. Pixels without a projection are disoccluded background: they continue the farther of their
-// neighbours.
-void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& from) {
-  const WindowFrustum& frustum = field.window.frustum();
-  const WindowFrame& frame = field.window.frame(from.frame);
-  const int rows = (frustum.rows + kSplat - 1) / kSplat, cols = (frustum.cols + kSplat - 1) / kSplat;
-  guide_.reshape(1, rows, cols);
-  guide_.fill(0);
+// win.
+void FieldRenderer::splat_surface(const WindowFrustum& frustum, const WindowFrame& frame,
+                                  const ProbeView& from, Image<Tile>& tiles) {
+  tiles.reshape(1, (frustum.rows + kSplat - 1) / kSplat, (frustum.cols + kSplat - 1) / kSplat);
+  tiles.fill({});
+  const auto rows = static_cast<float>(tiles.rows()), cols = static_cast<float>(tiles.cols());
   const ViewGeometry<float> here(frustum, frame.T_anchor_camera), there(frustum, from.T_anchor_camera);
   for (int y = 0; y < frustum.rows; ++y)
     for (int x = 0; x < frustum.cols; ++x) {
+      const BasePixel& base = frame.base.at(0, y, x);
       const float centre[2] = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
       float point[3], seen[3];
-      here.place(centre, frame.base.at(0, y, x)[kBaseSurface], point);
+      here.place(centre, base[kBaseSurface], point);
       there.project(point, seen, nullptr);
       const float column = seen[0] / kSplat, row = seen[1] / kSplat;
-      if (!(column >= 0 && row >= 0 && column < static_cast<float>(cols) && row < static_cast<float>(rows)))
-        continue;
-      const int tx = static_cast<int>(column), ty = static_cast<int>(row);
-      guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
+      if (!(column >= 0 && row >= 0 && column < cols && row < rows)) continue;
+      Tile& tile = tiles.at(0, static_cast<int>(row), static_cast<int>(column));
+      if (seen[2] > tile.inverse_depth) tile.inverse_depth = seen[2], tile.at_rest = is_at_rest(base);
     }
-  for (int y = 0; y < rows; ++y) {
-    float* row = guide_.row(0, y);
-    for (int x = 0; x < cols; ++x) {
-      if (row[x] > 0) continue;
-      int end = x;
-      while (end < cols && row[end] <= 0) ++end;
-      const float left = x > 0 ? row[x - 1] : 1, right = end < cols ? row[end] : 1;
-      const float fill = x == 0 && end == cols ? kFarthest : std::min(left, right);
-      std::fill(row + x, row + end, fill);
-      x = end;
+}
+
+// Who shows what in the view: the frame nearest in time. What it does not show since something is before it
+// another frame may, if that is at rest; the rest of it continues what is beside it.
+void FieldRenderer::find_sources(const RadianceField& field, const ProbeView& from) {
+  const WindowFrames& window = field.window;
+  splat_surface(window.frustum(), window.frame(from.frame), from, tiles_);
+  guide_.reshape(1, tiles_.rows(), tiles_.cols());
+  sources_.reshape(1, tiles_.rows(), tiles_.cols());
+  bool holes = false;
+  for (int y = 0; y < guide_.rows(); ++y) holes |= find_holes(from.frame, y);
+  if (!holes) return;
+  for (int away = 1; away < window.size(); ++away)
+    for (const int frame : {from.frame - away, from.frame + away})
+      if (frame >= 0 && frame < window.size()) show_background(window, frame, from);
+  for (int y = 0; y < guide_.rows(); ++y) continue_background(y);
+}
+
+// In a row of the nearest frame's tiles: what lies between two surfaces is as far as the farther one, which
+// the nearer one hides. Outside the frame's picture, and in gaps between the pixels of a surface, the frame
+// is asked all the same. Returns whether there are holes.
+bool FieldRenderer::find_holes(int nearest, int y) {
+  const int cols = guide_.cols();
+  const Tile* tiles = tiles_.row(0, y);
+  const auto surface = [&](int x) { return x >= 0 && x < cols ? tiles[x].inverse_depth : 1; };
+  bool holes = false;
+  for (int x = 0, end = 0; x < cols; x = end) {
+    end = x + 1;
+    guide_.at(0, y, x) = surface(x);
+    sources_.at(0, y, x) = {.frame = nearest, .column = x};
+    if (surface(x) >= 0) continue;
+    while (end < cols && surface(end) < 0) ++end;
+    const bool none = x == 0 && end == cols, hole = x > 0 && end < cols && end - x >= kHole;
+    const float behind = none ? kFarthest : std::min(surface(x - 1), surface(end));
+    for (int k = x; k < end; ++k) {
+      guide_.at(0, y, k) = behind;
+      sources_.at(0, y, k) = {.frame = hole ? kNoFrame : nearest, .column = k};
     }
+    holes |= hole;
+  }
+  return holes;
+}
+
+// In holes, what a frame shows at rest that is no nearer than what is beside them.
+void FieldRenderer::show_background(const WindowFrames& window, int frame, const ProbeView& from) {
+  splat_surface(window.frustum(), window.frame(frame), from, tiles_);
+  for (std::size_t i = 0; i < guide_.size(); ++i) {
+    const Tile& tile = tiles_.samples()[i];
+    if (sources_.samples()[i].frame != kNoFrame || !tile.at_rest ||
+        tile.inverse_depth > kBehind * guide_.samples()[i])
+      continue;
+    sources_.samples()[i].frame = frame;
+    guide_.samples()[i] = tile.inverse_depth;
+  }
+}
+
+// In a row, of what no frame shows: the farther of both sides, past its edge, whose pixels have a share of
+// what is before it.
+void FieldRenderer::continue_background(int y) {
+  const int cols = guide_.cols();
+  const float* guide = guide_.row(0, y);
+  Source* sources = sources_.row(0, y);
+  const auto shown = [&](int x) { return x >= 0 && x < cols && sources[x].frame != kNoFrame; };
+  for (int x = 0, end = 0; x < cols; x = end) {
+    end = x + 1;
+    if (shown(x)) continue;
+    while (!shown(end)) ++end;  // a hole is between two surfaces
+    const int way = guide[x - 1] <= guide[end] ? -1 : 1, edge = way < 0 ? x - 1 : end;
+    const int beside = shown(edge + way) ? edge + way : edge;
+    std::fill(sources + x, sources + end, sources[beside]);
   }
 }
 
@@ -159,47 +226,69 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
   });
 }
 
-// One for each pixel that is wanted, guided by the surface that the nearest frame sees there.
+// One for each pixel that is wanted, guided by the surface that is seen there; those of one frame follow each
+// other.
 void FieldRenderer::aim_rays(const RadianceField& field, const ProbeView& from, const SceneView& view) {
   const WindowFrame& frame = field.window.frame(from.frame);
   const PixelMap map(field.window.frustum().camera, view.lens);
   const bool own = from.T_anchor_camera == frame.T_anchor_camera;  // then a ray's surface is its pixel's
-  if (!own) splat_surface(field, from);
-  const auto guide_at = [&](float px, float py) {
+  if (!own) find_sources(field, from);
+  const auto aim = [&](int row, int column) {
+    const float px = map.map(0, column), py = map.map(1, row);
     if (own) {
       const int x = std::clamp(static_cast<int>(px), 0, frame.base.cols() - 1);
       const int y = std::clamp(static_cast<int>(py), 0, frame.base.rows() - 1);
-      return frame.base.at(0, y, x)[kBaseSurface];
+      return Aim{from.frame, {{px, py}, frame.base.at(0, y, x)[kBaseSurface]}};
     }
     const int gx = std::clamp(static_cast<int>(px) / kSplat, 0, guide_.cols() - 1);
     const int gy = std::clamp(static_cast<int>(py) / kSplat, 0, guide_.rows() - 1);
-    return guide_.at(0, gy, gx);
+    const Source& source = sources_.at(0, gy, gx);
+    const float beside = (static_cast<float>(source.column) + 0.5f) * kSplat;
+    return Aim{source.frame, {{source.column == gx ? px : beside, py}, guide_.at(0, gy, gx)}};
   };
-  rays_.clear(), pixels_.clear();
-  for (int y = 0; y < view.rows; ++y)
-    for (int x = 0; x < view.cols; ++x) {
-      if (view.wanted != nullptr && view.wanted->at(0, y, x) == 0) continue;
-      const float px = map.map(0, x), py = map.map(1, y);
-      rays_.push_back({{px, py}, guide_at(px, py)});
-      pixels_.push_back({y, x});
-    }
+  const auto for_wanted = [&](auto&& body) {
+    for (int y = 0; y < view.rows; ++y)
+      for (int x = 0; x < view.cols; ++x)
+        if (view.wanted == nullptr || view.wanted->at(0, y, x) != 0) body(y, x, aim(y, x));
+  };
+  ends_.assign(static_cast<std::size_t>(field.window.size()), 0);
+  for_wanted([&](int, int, const Aim& aimed) { ++ends_[static_cast<std::size_t>(aimed.frame)]; });
+  std::size_t rays = 0;
+  for (std::size_t& end : ends_) rays += std::exchange(end, rays);  // where the rays of a frame begin..
+  rays_.resize(rays), pixels_.resize(rays);
+  for_wanted([&](int y, int x, const Aim& aimed) {
+    std::size_t& end = ends_[static_cast<std::size_t>(aimed.frame)];  // ..and, once all are there, end
+    rays_[end] = aimed.ray, pixels_[end++] = {y, x};
+  });
 }
 
 // Along all rays of the view.
 void FieldRenderer::look(const RadianceField& field, const ProbeView& from, WorkerPool& pool) {
+  std::size_t begin = 0;
+  for (int frame = 0; frame < field.window.size(); ++frame) {
+    const std::size_t end = ends_[static_cast<std::size_t>(frame)], count = end - begin;
+    const ProbeView of_frame{from.T_anchor_camera, frame, frame == from.frame ? from.offset : 0};
+    if (count > 0)
+      look(field, of_frame, {rays_.data() + begin, count}, {answers_.data() + begin, count}, pool);
+    begin = end;
+  }
+}
+
+void FieldRenderer::look(const RadianceField& field, const ProbeView& from, std::span<const ProbeRay> rays,
+                         std::span<ProbeAnswer> answers, WorkerPool& pool) {
   if (gpu_probe_ != nullptr) {
-    const Result<void> looked = gpu_probe_->look(field, from, rays_, answers_);
+    const Result<void> looked = gpu_probe_->look(field, from, rays, answers);
     if (looked) return;
     fall_back_to_cpu(looked.error());
   }
   while (probes_.size() < kStripes) probes_.emplace_back(field.networks, kMaxSamples);
-  const std::size_t batches = (rays_.size() + FieldProbe::kRays - 1) / FieldProbe::kRays;
+  const std::size_t batches = (rays.size() + FieldProbe::kRays - 1) / FieldProbe::kRays;
   pool.for_each(kStripes, [&](int stripe) {
     const auto own = static_cast<std::size_t>(stripe);
     for (std::size_t batch = own; batch < batches; batch += kStripes) {
       const std::size_t first = batch * FieldProbe::kRays;
-      const std::size_t n = std::min<std::size_t>(FieldProbe::kRays, rays_.size() - first);
-      probes_[own].look(field, from, {rays_.data() + first, n}, {answers_.data() + first, n});
+      const std::size_t n = std::min<std::size_t>(FieldProbe::kRays, rays.size() - first);
+      probes_[own].look(field, from, rays.subspan(first, n), answers.subspan(first, n));
     }
   });
 }

@@ -53,6 +53,35 @@ double log_error(const FitStream& scene, const FieldPicture& view, int i, bool o
   return sum / count;
 }
 
+// A wall, bright up to column 40, behind a near square: the radiance of a hidden place of the wall as a view
+// from further right shows it, where the square is 6 px further left and the wall 1.2.
+float hidden_place(float speed_px, float earlier_inverse_depth, float wall_flow_px, int column) {
+  WorkerPool pool(1);
+  FitStream scene;
+  scene.speed_px = speed_px;
+  FieldFit fit(FitStream::small_options(), Intrinsics{48, 48, 24, 16}, scene.rows, scene.cols, pool);
+  Image<float> inverse_depth(1, scene.rows, scene.cols);
+  constexpr int kLast = 4;
+  for (int i = 0; i <= kLast; ++i) {
+    FieldObservation seen = scene.frame(i);
+    seen.inverse_depth = &inverse_depth;
+    for (int y = 0; y < scene.rows; ++y)
+      for (int x = 0; x < scene.cols; ++x) {
+        const bool near = scene.on_square(i, y, x);
+        inverse_depth.at(0, y, x) = near ? 0.5f : i < kLast ? earlier_inverse_depth : 0.1f;
+        if (!near) scene.to_previous.vectors.at(0, y, x) = wall_flow_px;
+        for (int c = 0; c < 3; ++c) scene.radiance.at(c, y, x) = near ? 1.5f : x < 40 ? 0.4f : 0.1f;
+      }
+    REQUIRE(fit.observe(seen, scene.response).ok());
+  }
+  RigidTransform right;
+  right.t.x() = 0.25;
+  FieldRenderer renderer;
+  FieldPicture view;
+  renderer.render(fit.field(), FitStream::view(fit, right, kLast / 30.0, 1), pool, view);
+  return view.radiance.at(1, 14, column);
+}
+
 }  // namespace
 
 TEST_CASE("a field of zero steps renders the state's picture and the state's motion", "[isa][field]") {
@@ -297,6 +326,17 @@ TEST_CASE("the anchor follows a camera that leaves it, and the field stays the s
   run.renderer.render(run.fit.field(), FitStream::view(run.fit, pose, run.last_time_s, 1), run.pool, view);
   for (std::size_t p = 0; p < view.radiance.size(); ++p)
     REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
+}
+
+TEST_CASE("a moved view shows behind something near what another frame saw there, or what is beside it",
+          "[isa][field]") {
+  // it stands: nobody ever saw what is behind it
+  CHECK(hidden_place(0, 0.1f, 0, 12) == Approx(0.4).epsilon(0.1));
+  // it moved by 6 px: the frame before saw the bright wall there; beside it the wall is dark
+  CHECK(hidden_place(6, 0.1f, 0, 36) == Approx(0.4).epsilon(0.1));
+  // not at rest, or nearer than what is beside it: it is no background
+  CHECK(hidden_place(6, 0.1f, 3, 36) == Approx(0.1).epsilon(0.1));
+  CHECK(hidden_place(6, 0.3f, 0, 36) == Approx(0.1).epsilon(0.1));
 }
 
 TEST_CASE("a field that starts anew knows only the frames that follow", "[isa][field]") {
