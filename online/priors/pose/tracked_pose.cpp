@@ -18,7 +18,7 @@ constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadin
 constexpr double kSameHeading = 0.9;  // cosine
 // An error above the flow's usual noise; of a point's way, that above what a chain of flow gathers in a pan
 // (2 to 3 percent) and what a lens that bends the picture adds (5).
-constexpr double kUnexplained_px = 0.6, kUnexplainedOfWay = 0.1;
+constexpr double kUnexplained_px = 0.6, kUnexplainedOfWay = 0.07;
 constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
 
