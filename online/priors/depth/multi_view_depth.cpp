@@ -205,14 +205,15 @@ void MultiViewDepth::fuse() {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         float sum = 0, information = 0;
-        bool moves = false;
+        int against = 0;  // keyframes that see it move
         for (std::size_t k = 0; k < 2; ++k) {
           const Measured seen = measure(keyframes_[k], relative[k], y, x);
-          moves |= seen.point == Seen::Dynamic;
+          against += seen.point == Seen::Dynamic;
           if (seen.point != Seen::Static) continue;
           sum += seen.inverse_depth * seen.information, information += seen.information;
         }
-        const float learnt = learnt_.at(0, y, x), known = learnt_.at(1, y, x);
+        // what both see move is not where its depth was learnt
+        const float learnt = learnt_.at(0, y, x), known = against < 2 ? learnt_.at(1, y, x) : 0;
         if (known > 0) {
           float trust = 1;
           if (information > 0) {
@@ -221,7 +222,7 @@ void MultiViewDepth::fuse() {
           }
           sum += learnt * known * trust, information += known * trust;
         }
-        dynamic_.at(0, y, x) = moves && !(information > 0) ? 1.f : 0.f;
+        dynamic_.at(0, y, x) = against > 0 && !(information > 0) ? 1.f : 0.f;
         const float d = information > 0 ? sum / information : 0;
         const float best = options_.best_relative * d;
         const float squared = d * d;

@@ -96,6 +96,23 @@ TEST_CASE("what moves across its epipolar line is not believed", "[depth]") {
   CHECK(quality.dense > 0.6);
 }
 
+TEST_CASE("what begins to move loses the depth that it had", "[depth]") {
+  const Eigen::Vector3d start{0.9, -0.2, 3}, velocity{0, 0.03, 0};
+  constexpr std::size_t kAtRest = 17;  // frames: keyframes have been replaced, and their depth is learnt
+  SyntheticScene rests = room(), moves = room();
+  rests.spheres.push_back({start, 0.6});
+  moves.spheres.push_back({start - velocity * static_cast<double>(kAtRest - 1), 0.6, velocity});
+  const auto path = straight_path(24, {0.05, 0, 0}, {0, 0, 0});
+  auto frames = film(rests, path, 0.05);
+  const DepthMap before = run(rests, {path.begin(), path.begin() + kAtRest}, frames, {});
+  CHECK(judge(rests, path[kAtRest - 1], 0, before, 2, 1).dynamic_kept > 0.8);
+  auto later = film(moves, path, 0.05);
+  std::move(later.begin() + kAtRest, later.end(), frames.begin() + kAtRest);
+  const DepthMap after = run(moves, path, frames, {});
+  CHECK(judge(moves, path.back(), 23, after, 2, 1).dynamic_kept < 0.1);
+  CHECK(judge(moves, path.back(), 23, after, 2, 1).dense > 0.6);
+}
+
 TEST_CASE("a camera that stands still or turns learns no depth", "[depth]") {
   const SyntheticScene scene = room();
   const auto turn = GENERATE(Eigen::Vector3d{0, 0, 0}, Eigen::Vector3d{0, 0.01, 0});
