@@ -28,6 +28,8 @@ CycleChoice::CycleChoice(const ExposureLimits& limits, const StateOptions& state
       gaps_(limits.cycle.size()),
       order_(limits.cycle.size()),
       cycle_(limits.cycle),
+      changed_(limits.cycle.size()),
+      tried_(limits.cycle.size()),
       pixels_(state.fusion),
       forecast_(state) {
   std::iota(order_.begin(), order_.end(), std::size_t{0});
@@ -75,30 +77,38 @@ void CycleChoice::begin(const FrameEstimate& estimate, const ExposureForecast::S
   search_ = Search::Coarse;
 }
 
-// One round: the best single change of a slot by so many stops of time, of gain, or of one for the other.
+// One round: the best change by so many stops of time, of gain, or of one for the other. It is that of one
+// slot, or of it and all that are exposed longer: of slots that are as near as they may be none moves alone.
 bool CycleChoice::improve(double stops) {
   constexpr double kWorthIt = 0.997;  // of the error so far
   constexpr struct { int time, gain; } kChanges[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, 1}, {1, -1}};
-  std::array<const ExposureForecast::Values*, ExposureSchedule::kMaxSlots> slots{};
-  for (std::size_t s = 0; s < better_.size(); ++s) slots[s] = &variances_[s];
+  const std::size_t slots = order_.size();
   double least = kWorthIt * error_;
-  std::optional<std::pair<std::size_t, Exposure>> best;
-  for (std::size_t s = 0; s < better_.size(); ++s) {
-    for (const auto& change : kChanges) {
+  std::vector<Exposure> best;
+  for (const auto& change : kChanges) {
+    for (std::size_t s = 0; s < slots; ++s) {
       const auto exposure = fitted(s, to_seconds(better_[s].time) * std::exp2(change.time * stops),
                                    better_[s].gain * std::exp2(change.gain * stops));
-      if (!exposure || !keeps_order(s, *exposure)) continue;
-      forecast_.sample_variances(*exposure, ExposureForecast::Blur::Counted, tried_);
-      slots[s] = &tried_;
-      const double error = forecast_.error({slots.data(), better_.size()});
-      if (error < least) least = error, best = {s, *exposure};
+      changed_[s] = exposure.value_or(better_[s]);
+      forecast_.sample_variances(changed_[s], ExposureForecast::Blur::Counted, changed_variances_[s]);
     }
-    slots[s] = &variances_[s];
+    for (std::size_t first = 0; first < slots; ++first)
+      for (const std::size_t last : {first, slots - 1}) {
+        std::array<const ExposureForecast::Values*, ExposureSchedule::kMaxSlots> variances{};
+        for (std::size_t s = 0; s < slots; ++s) tried_[s] = better_[s], variances[s] = &variances_[s];
+        for (std::size_t k = first; k <= last; ++k) {
+          const std::size_t s = order_[k];
+          tried_[s] = changed_[s], variances[s] = &changed_variances_[s];
+        }
+        if (!keeps_order(tried_)) continue;
+        const double error = forecast_.error({variances.data(), slots});
+        if (error < least) least = error, best = tried_;
+      }
   }
-  if (!best) return false;
-  const auto [slot, exposure] = *best;
-  better_[slot] = exposure, error_ = least;
-  forecast_.sample_variances(exposure, ExposureForecast::Blur::Counted, variances_[slot]);
+  if (best.empty()) return false;
+  better_ = best, error_ = least;
+  for (std::size_t s = 0; s < slots; ++s)
+    forecast_.sample_variances(better_[s], ExposureForecast::Blur::Counted, variances_[s]);
   return true;
 }
 
@@ -129,11 +139,9 @@ std::optional<Duration> CycleChoice::fitted_time(std::size_t slot, Duration time
   return time;
 }
 
-bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const {
+bool CycleChoice::keeps_order(const std::vector<Exposure>& cycle) const {
   constexpr double kSlack = 0.01;  // of ln E
-  const auto log_of = [&](std::size_t k) {
-    return log_product(order_[k] == slot ? exposure : better_[order_[k]]);
-  };
+  const auto log_of = [&](std::size_t k) { return log_product(cycle[order_[k]]); };
   if (std::abs(log_of(0) - log_product(limits_.cycle[order_[0]])) > kSlack) return false;
   for (std::size_t k = 1; k < order_.size(); ++k) {
     // near enough to be matched with each other, and far enough apart for the proof of their labels

@@ -51,19 +51,19 @@ class CycleChoice {
   bool improve(double stops);
   std::optional<Exposure> fitted(std::size_t slot, double time_s, double gain) const;
   std::optional<Duration> fitted_time(std::size_t slot, Duration time) const;
-  bool keeps_order(std::size_t slot, const Exposure& exposure) const;
+  bool keeps_order(const std::vector<Exposure>& cycle) const;
   std::optional<CycleRequest> conclude();
 
   const ExposureLimits limits_;
   std::vector<double> gaps_;        // ln E between slots in order of E, of the first cycle: they stay as near
   std::vector<std::size_t> order_;  // of the slots, by E
   std::vector<Exposure> cycle_, better_;
+  std::vector<Exposure> changed_, tried_;  // all slots of better_ changed alike, and some of them
   float first_white_ = 0;  // radiance that saturates the shortest exposure of the first cycle; 0: not known
   ScenePixels pixels_;
   ExposureForecast forecast_;
-  ExposureForecast::SampleVariances variances_{};  // of better_
-  ExposureForecast::Values tried_{};
-  double error_ = 0;  // of better_
+  ExposureForecast::SampleVariances variances_{}, changed_variances_{};  // of better_ and changed_
+  double error_ = 0;                                                     // of better_
   Search search_ = Search::Waits;
   int requests_ = 0;
   std::string last_;  // request, in words

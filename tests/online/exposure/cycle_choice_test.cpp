@@ -201,6 +201,18 @@ TEST_CASE("a scene that stays as it is changes the cycle a few times at most, th
   }
 }
 
+TEST_CASE("exposures that are as near as they may be get shorter together where everything moves") {
+  // a stop apart, the two longer ones may neither come nearer nor part
+  const std::vector<Exposure> near{{1ms, 1}, {8ms, 1}, {16ms, 1}};
+  ExposureLimits limits = limits_of(near);
+  limits.greatest_gain = 1;
+  Loop loop(limits, {.speed_px = 8});
+  loop.run(120);
+  INFO(describe(loop.cycle()));
+  CHECK(loop.cycle()[1].time <= near[1].time / 2);
+  CHECK(loop.cycle()[2].time <= near[2].time / 2);
+}
+
 TEST_CASE("the cycle follows when what moved comes to rest") {
   Loop loop(limits_of(kCycle), {.speed_px = 8});
   loop.run(200);
