@@ -69,6 +69,33 @@ PairOfExposures pair_of(const HistogramMatches::OfChannel::value_type& entry,
           .scale = kMatchWeight * std::min(1.0, kMaxWeightPerRatio / count)};
 }
 
+// Whether the light of a code of the shorter exposure is at least, or at most, that of one of the longer.
+enum class Side { AtLeast, AtMost };
+
+struct Bound {
+  Side side;
+  float code, other;  // without black
+  double tolerance;   // ln x
+};
+
+// Adds one of so many bounds where the curve breaks it; returns its misfit.
+double add_bound(const Bound& bound, std::size_t bounds, const PairOfExposures& pair, const MatchNoise& noise,
+                 const Eigen::VectorXd& g, CurveSquares& squares) {
+  constexpr double kSigma = 0.1, kMatches = 20;  // ln x; a bound counts like so many
+  // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
+  // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
+  constexpr double kBeyond = 0.75;
+  const double side = bound.side == Side::AtLeast ? 1 : -1;
+  const Knots code(static_cast<double>(bound.code)), other(static_cast<double>(bound.other));
+  const double r = side * pair.rest(code, other, g) + bound.tolerance;
+  if (r >= 0) return 0;
+  const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(code, g, noise));
+  const double told = 1 / (kBeyond * kBeyond * static_cast<double>(bounds));
+  pair.add(w, code, other, pair.stated - side * bound.tolerance, squares);
+  squares.holds.push_back({std::max(0.0, w - told), difference_of(code, other)});
+  return w * r * r;
+}
+
 }  // namespace
 
 double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
@@ -104,39 +131,38 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
   return misfit;
 }
 
-double add_light_bounds(const HistogramMatches::OfChannel& channel, float black_level,
+double add_white_bounds(const HistogramMatches::OfChannel& channel, float black_level,
                         const MatchNoise& noise, const Eigen::VectorXd& g,
                         const shared_unknowns::Values& shared, CurveSquares& squares) {
-  constexpr double kSigma = 0.1, kMatches = 20;  // ln x; a bound counts like so many
-  // ln x: white may be less, by compression and motion; what is dark may be brighter by the noise and
-  // compression of a short exposure, too
-  constexpr double kToleranceOfWhite = 0.3, kToleranceOfDark = 1;
-  // ln x: how far beyond its bound the curve may be, however many frames show the bound. Of the prior cut off
-  // at the bound of a toe the deviation beyond it is that of one measurement of .7 to .85.
-  constexpr double kBeyond = 0.75;
-  const float darkest = clip_policy::kResponseMatch.darkest;
+  constexpr double kTolerance = 0.3;  // ln x: white may be less, by compression and motion
   const float white = without_black(clip_policy::kResponseMatch.brightest, black_level);
   double misfit = 0;
   for (const auto& entry : channel) {
+    const std::vector<float>& codes = entry.second.white_from;
+    if (codes.empty()) continue;
     const PairOfExposures pair = pair_of(entry, shared);
-    // side 1: the light of the shorter exposure's code is the longer one's at least, -1: at most
-    const auto add = [&](double side, float z1, float z2, double tolerance, std::size_t bounds) {
-      const Knots code(static_cast<double>(z1)), other(static_cast<double>(z2));
-      const double r = side * pair.rest(code, other, g) + tolerance;
-      if (r >= 0) return;
-      const double w = kMatches * pair.scale / (kSigma * kSigma + variance_of(code, g, noise));
-      const double told = 1 / (kBeyond * kBeyond * static_cast<double>(bounds));
-      misfit += w * r * r;
-      pair.add(w, code, other, pair.stated - side * tolerance, squares);
-      squares.holds.push_back({std::max(0.0, w - told), difference_of(code, other)});
-    };
-    const std::vector<float>& white_from = entry.second.white_from;
-    const std::vector<CodeMatch>& dark_to = entry.second.dark_to;
-    for (const float code : white_from)
-      add(1, without_black(code, black_level), white, kToleranceOfWhite, white_from.size());
-    for (const CodeMatch& dark : dark_to) {
+    for (const float code : codes)
+      misfit += add_bound({Side::AtLeast, without_black(code, black_level), white, kTolerance}, codes.size(),
+                          pair, noise, g, squares);
+  }
+  return misfit;
+}
+
+double add_dark_bounds(const HistogramMatches::OfChannel& channel, float black_level, const MatchNoise& noise,
+                       const Eigen::VectorXd& g, const shared_unknowns::Values& shared,
+                       CurveSquares& squares) {
+  // ln x: a short exposure's noise, and its compression, make dark codes brighter, too
+  constexpr double kTolerance = 1;
+  const float darkest = clip_policy::kResponseMatch.darkest;
+  double misfit = 0;
+  for (const auto& entry : channel) {
+    const std::vector<CodeMatch>& codes = entry.second.dark_to;
+    if (codes.empty()) continue;
+    const PairOfExposures pair = pair_of(entry, shared);
+    for (const CodeMatch& dark : codes) {
       const float z1 = without_black(dark.z1, black_level), z2 = without_black(dark.z2, black_level);
-      if (z1 >= darkest && z2 >= darkest) add(-1, z1, z2, kToleranceOfDark, dark_to.size());
+      if (z1 < darkest || z2 < darkest) continue;
+      misfit += add_bound({Side::AtMost, z1, z2, kTolerance}, codes.size(), pair, noise, g, squares);
     }
   }
   return misfit;

@@ -23,12 +23,17 @@ double add_match_evidence(const HistogramMatches::OfChannel& channel, float blac
                           const MatchNoise& noise, const Eigen::VectorXd& g,
                           const shared_unknowns::Values& shared, CurveSquares& squares);
 
-// The same of bounds, where the curve breaks them: of the codes of the shorter exposure from which on the
-// longer one is white, x is E1/E2 of white at least; of those below which hardly anything is, it is E1/E2 of
-// the longer one's darkest at most, and where these are brighter by more than a curve is, they are black.
-// Bounds tell of the curve alone: broken under a curve that is known, one is of what moved.
-double add_light_bounds(const HistogramMatches::OfChannel& channel, float black_level,
+// The same of what is white in the longer exposure, where the curve breaks that: of the codes of the shorter
+// one from which on it is, x is E1/E2 of white at least. It tells of the curve alone: broken under a curve
+// that is known, a bound is of what moved.
+double add_white_bounds(const HistogramMatches::OfChannel& channel, float black_level,
                         const MatchNoise& noise, const Eigen::VectorXd& g,
                         const shared_unknowns::Values& shared, CurveSquares& squares);
+
+// The same of the darkest codes: of those of the shorter exposure below which hardly anything is, x is at
+// most E1/E2 of the longer one's darkest. What breaks that by more than curves do is black.
+double add_dark_bounds(const HistogramMatches::OfChannel& channel, float black_level, const MatchNoise& noise,
+                       const Eigen::VectorXd& g, const shared_unknowns::Values& shared,
+                       CurveSquares& squares);
 
 }  // namespace hdrcam

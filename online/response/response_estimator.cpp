@@ -65,7 +65,8 @@ Agreement agreement(const HistogramMatches::OfChannel& matches, float black_leve
   agreed.A = prior.precision, agreed.b = prior.precision * prior.mean;
   agreed.A(kGaugeKnot, kGaugeKnot) += kGaugeWeight;
   agreed.misfit.of_matches = add_match_evidence(matches, black_level, noise, g, shared, agreed) +
-                             add_light_bounds(matches, black_level, noise, g, shared, agreed);
+                             add_white_bounds(matches, black_level, noise, g, shared, agreed) +
+                             add_dark_bounds(matches, black_level, noise, g, shared, agreed);
   const Vector d = g - prior.mean;
   agreed.misfit.of_prior = d.dot(prior.precision * d);
   return agreed;
@@ -214,7 +215,7 @@ std::array<Response::Curve, 3> uncertainty_of(const Fit& fit, WorkerPool* pool) 
   return uncertainty;
 }
 
-// Exposures as stated.
+// Exposures as stated. Its first curves break bounds of what is dark, which would lead it astray.
 Response network_response(const HistogramMatches& matches, const BlackLevel& black, const NoiseModel& noise) {
   const std::vector<int> keys = matches.exposure_keys();
   const Vector as_stated = Vector::Zero(shared_unknowns::count(keys));
@@ -223,7 +224,7 @@ Response network_response(const HistogramMatches& matches, const BlackLevel& bla
     g[c] = fit_curve_network(curve_prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
       CurveSquares squares(as_stated.size());
       add_match_evidence(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
-      add_light_bounds(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
+      add_white_bounds(matches.of(c), black[c], {noise}, at, {keys, as_stated}, squares);
       A = std::move(squares.A), b = std::move(squares.b);
     });
   return Response(curves_of(g));
