@@ -11,7 +11,7 @@ enum class NoiseOrigin { Unknown, Sensor };
 struct NoiseModel {
   float full_well = 4000;  // electrons at x = 1
   float read_noise = 9;    // electrons rms
-  float code_noise = 1;    // codes (of 255) rms: compression, dither; 1 for clean streams, 2 for MJPEG
+  float code_noise = 1;    // codes (of 255) rms: compression; .1 for clean streams, 1 to 2 for others
   float code_step = 1;     // of the quantiser, in codes of 255: 1 for 8 bit, 1/16 for 12 bit
 
   // variance of x from shot and read noise

@@ -95,7 +95,8 @@ std::vector<Knob> stream_knobs() {
                                       "--emit field, novel views"}),
       real<&K::code_noise>(
           "code_noise", {0, 20},
-          {.unit = "codes rms", .gives = "start value of the estimated compression noise: 1 clean, 2 MJPEG"}),
+          {.unit = "codes rms",
+           .gives = "start value of the estimated compression noise: 0.1 uncompressed, 1 to 2 compressed"}),
       choice<&K::noise>("noise", {"assumed", "learned"},
                         {.costs = "learned: about a tenth of the motion",
                          .gives = "samples weighed by the noise they have"}),

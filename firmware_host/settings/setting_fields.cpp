@@ -219,9 +219,10 @@ std::vector<SettingField> fit_fields() {
       readout_field(),
       backend_field(),
       number<kGroup, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays", {0, kUnlimited, {}}),
-      flag_of_knob("code_noise", "fit.code_noise", "--code-noise",
-                   "start value of the estimated compression noise, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
-                   1.0),
+      flag_of_knob(
+          "code_noise", "fit.code_noise", "--code-noise",
+          "start value of the estimated compression noise, codes rms: 0.1 uncompressed, 1 to 2 compressed",
+          {0, 20, {}}, 1.0),
   };
 }
 
