@@ -1,15 +1,25 @@
 #include "online/priors/motion/bridge_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "online/priors/motion/flow_effort.h"
 #include "online/priors/motion/landing.h"
 
 namespace hdrcam {
 namespace {
 
+constexpr int kReach = 3;              // cells, both ways
 constexpr int kEvery = 4, kFirst = 1;  // rows of a cell that are compared
+
+// What cells count by their distance along an axis: a Gaussian.
+std::array<float, kReach + 1> fading() {
+  constexpr float kSigma = 1.5f;  // cells
+  std::array<float, kReach + 1> weights{};
+  for (int d = 0; d <= kReach; ++d)
+    weights[static_cast<std::size_t>(d)] = std::exp(-static_cast<float>(d * d) / (2 * kSigma * kSigma));
+  return weights;
+}
 
 }  // namespace
 
@@ -19,19 +29,7 @@ BridgeError::BridgeError(int rows, int cols)
       down_(landing_cells(rows)),
       across_(landing_cells(cols)),
       sums_(static_cast<std::size_t>(down_) * static_cast<std::size_t>(across_)),
-      off_(2, down_, across_) {
-  // of 320x240 pixels; of larger pictures as large a part is looked at, with about as many cells of it
-  constexpr float kReach = 3, kSigma = 1.5f;  // cells
-  constexpr float kAlike2 = 0.8f;             // pixels^2 between two paths: such cells count a quarter
-  constexpr float kFew = 0.4f;                // cells that show the motion: their word counts half
-  const float scale = motion_scale(rows, cols);
-  step_ = std::max(1, static_cast<int>(scale / 2));
-  reach_ = step_ * static_cast<int>(std::lround(scale * kReach / static_cast<float>(step_)));
-  const float dense = scale / static_cast<float>(step_), sigma = scale * kSigma;
-  alike2_ = scale * scale * kAlike2, few_ = dense * dense * kFew;
-  for (int d = 0; d <= reach_; ++d)  // a Gaussian
-    fading_.push_back(std::exp(-static_cast<float>(d * d) / (2 * sigma * sigma)));
-}
+      off_(2, down_, across_) {}
 
 void BridgeError::compare(const PathAhead& path, const Image<float>& clipped,
                           const Image<float>& clipped_after, const Image<float>& motion, WorkerPool& pool) {
@@ -58,17 +56,18 @@ void BridgeError::compare(const PathAhead& path, const Image<float>& clipped,
 
 // Sums over the cells around this one that move as it does, in cells.
 CheckedPathCell BridgeError::told_around(int down, int across) const {
-  const auto first = [&](int middle) { return middle - std::min(middle, reach_) / step_ * step_; };
+  constexpr float kAlike2 = 0.8f;  // pixels^2 between two paths: such cells count a quarter
+  static const std::array<float, kReach + 1> kFading = fading();
   const CheckedPathCell& here = cell(down, across);
   const float u = here.path_u / here.pixels, v = here.path_v / here.pixels;
   CheckedPathCell sums;
-  for (int row = first(down); row <= std::min(down + reach_, down_ - 1); row += step_)
-    for (int col = first(across); col <= std::min(across + reach_, across_ - 1); col += step_) {
+  for (int row = std::max(down - kReach, 0); row <= std::min(down + kReach, down_ - 1); ++row)
+    for (int col = std::max(across - kReach, 0); col <= std::min(across + kReach, across_ - 1); ++col) {
       const CheckedPathCell& other = cell(row, col);
       const float du = other.path_u / other.pixels - u, dv = other.path_v / other.pixels - v;
-      const float alike = 1 / (1 + (du * du + dv * dv) / alike2_);
-      const float weight = fading_[static_cast<std::size_t>(std::abs(row - down))] *
-                           fading_[static_cast<std::size_t>(std::abs(col - across))] * alike * alike /
+      const float alike = 1 / (1 + (du * du + dv * dv) / kAlike2);
+      const float weight = kFading[static_cast<std::size_t>(std::abs(row - down))] *
+                           kFading[static_cast<std::size_t>(std::abs(col - across))] * alike * alike /
                            other.pixels;
       sums.told += weight * other.told, sums.off2 += weight * other.off2;
       sums.off_u += weight * other.off_u, sums.off_v += weight * other.off_v;
@@ -77,6 +76,7 @@ CheckedPathCell BridgeError::told_around(int down, int across) const {
 }
 
 void BridgeError::spread_to(int down, int across) {
+  constexpr float kFew = 0.4f;       // cells that show the motion: their word counts half
   constexpr float kDoubt = 10;       // times the variance of what they say, beside its square
   constexpr float kNothing = 1e-6f;  // pixels^2
   const CheckedPathCell sums = told_around(down, across);
@@ -84,7 +84,7 @@ void BridgeError::spread_to(int down, int across) {
   if (sums.told > 0) {
     const float mean2 = (sums.off_u * sums.off_u + sums.off_v * sums.off_v) / (sums.told * sums.told);
     const float variance = std::max(sums.off2 / sums.told - mean2, 0.f);
-    share = mean2 / (mean2 + kDoubt * variance + kNothing) / (sums.told + few_);
+    share = mean2 / (mean2 + kDoubt * variance + kNothing) / (sums.told + kFew);
   }
   off_.at(0, down, across) = share * sums.off_u;
   off_.at(1, down, across) = share * sums.off_v;

@@ -33,9 +33,6 @@ class BridgeError {
   void spread_to(int down, int across);
 
   int rows_, cols_, down_, across_;
-  float alike2_ = 0, few_ = 0;         // in told_around() and spread_to()
-  int reach_ = 0, step_ = 1;           // cells, both ways: those that count, and from one of them to the next
-  std::vector<float> fading_;          // what cells count by their distance along an axis
   std::vector<CheckedPathCell> sums_;  // [cells down, cells across]
   Image<float> off_;
 };

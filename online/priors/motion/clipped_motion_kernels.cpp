@@ -83,7 +83,7 @@ inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes
   const float earlier = 1 / path.before;
   const Lanes scale = trusted(measured) * (kShare * path.share * (1 - path.share) / (1 + path.before));
   const Vectors bend{scale * (whole.x + earlier * last.x), scale * (whole.y + earlier * last.y)};
-  const Lanes limit = 1 / (1 + kPerPixel2 / (path.scale * path.scale) * squared(bend));
+  const Lanes limit = 1 / (1 + kPerPixel2 * squared(bend));
   return {limit * bend.x, limit * bend.y};
 }
 
@@ -124,7 +124,7 @@ inline float sum(Lanes v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[
 
 void compare(const CheckedPathRow& r) {
   constexpr float kClipped = 0.05f, kSeen = 0.95f;
-  const float far2 = r.path.scale * r.path.scale;  // a pixel: what differs by more is lost, or something else
+  constexpr float kFar2 = 1;  // pixels^2: what differs by more is lost, or something else
   static_assert(kLandingCell == kLanes);
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     constexpr Vectors kStill{};
@@ -134,7 +134,7 @@ void compare(const CheckedPathRow& r) {
     const Whole within = kEachLane < count;
     const Whole told = within & (around <= kClipped) &
                        (seen(read(r.clipped_after, place_of(r.at, x, ahead))) >= kSeen) &
-                       (squared(off) < far2);
+                       (squared(off) < kFar2);
     CheckedPathCell& cell = r.cells[x / kLandingCell];
     const auto sum_of = [](Whole which, Lanes v) { return sum(which ? v : Lanes{}); };
     cell.pixels += static_cast<float>(count);
@@ -157,9 +157,8 @@ inline Lanes between_cells(const float* cells, int cell, int count_of_cells) {
 // there and back, leads elsewhere.
 inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Crossing& crossing,
                         Lanes& unseen) {
-  constexpr float kKnown2 = 1;  // pixels^2: what is that near to what lands is what lands
-  // 8 pixels: what is that far from where it started is something else
-  const float far_off2 = 64 * r.path.scale * r.path.scale;
+  constexpr float kFarOff2 = 64;  // pixels^2: what is that far from where it started is something else
+  constexpr float kKnown2 = 1;    // pixels^2: what is that near to what lands is what lands
   const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
   const Vectors back{-r.path.share * start.x, -r.path.share * start.y};
   // what will be there without it
@@ -167,7 +166,7 @@ inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Cr
   const Whole differs = squared(known - back) > kKnown2;
   if (!any_negative(differs & (kEachLane < count))) return;
   const Crossing fast = settle(r.at, r.path, x, back, start);
-  const Whole there = ~lost(fast.before, fast.after) & (squared(fast.whole - start) < far_off2);
+  const Whole there = ~lost(fast.before, fast.after) & (squared(fast.whole - start) < kFarOff2);
   if (!any_negative(there)) return;
   unseen = there & lost(own, vectors_at(r.from, r.at, place_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
   crossing.back = either(there, fast.back, crossing.back);
@@ -211,13 +210,12 @@ inline Vectors less_what_is_off(const BridgedAheadRow& r, int x, Vectors ahead) 
 }
 
 void bridge_ahead(const BridgedAheadRow& r) {
-  const float slow = r.path.scale * kFastOverClipped;
   for (int x = 0; x < r.at.cols; x += kLanes) {
     const int count = least(r.at.cols - x, kLanes);
     const Vectors whole = own_vectors(r.path.state_to_after, r.at, x, count);
     Vectors ahead{r.path.share * whole.x, r.path.share * whole.y};
     Lanes unseen = hidden(read(r.clipped, place_of(r.at, x, ahead)));
-    const Whole fast = squared(whole) > slow * slow;
+    const Whole fast = squared(whole) > kFastOverClipped * kFastOverClipped;
     if (any_negative(fast)) {
       const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
       const Vectors home = vectors_at(r.path.after_to_state, r.at, place_of(r.at, x, whole));
@@ -238,8 +236,8 @@ void bridge_ahead(const BridgedAheadRow& r) {
 }
 
 void predict(const PredictedRow& r) {
-  constexpr float kShare = 0.5f;                     // of the change that goes on
-  const float per_pixel2 = 1 / (r.scale * r.scale);  // a change of 1 px counts half
+  constexpr float kShare = 0.5f;   // of the change that goes on
+  constexpr float kPerPixel2 = 1;  // a change of 1 px counts half
   for (int x = 0; x < r.at.cols; x += kLanes) {
     const int count = least(r.at.cols - x, kLanes);
     const Vectors now{load_some(r.u + x, count), load_some(r.v + x, count)};
@@ -248,7 +246,7 @@ void predict(const PredictedRow& r) {
     const Vectors change{now.x - r.ratio * last.x, now.y - r.ratio * last.y};
     const Lanes measured =
         trusted(load_some(r.measured + x, count)) * trusted(read(r.measured_before, there));
-    const Lanes share = kShare * measured / (1 + per_pixel2 * squared(change));
+    const Lanes share = kShare * measured / (1 + kPerPixel2 * squared(change));
     store_some(r.next_u + x, now.x + share * change.x, count);
     store_some(r.next_v + x, now.y + share * change.y, count);
   }

@@ -29,15 +29,13 @@ struct ContinuedRow {
 // frame after, r to the clipped frame, B from the frame before the state, and motions D to the frame after
 // and L to the frame before: constant acceleration through all three is a = (D + L / B) / (1 + B); its bend
 // at r, of which .6 count (errors of two flows are in it), is b = .6 r (1 - r) a; and the motion to the
-// clipped frame is r D - b / (1 + |b|^2 / 4 px^2). Pixels of limits, here and below, are those of a picture
-// of 320x240 (motion_scale()).
+// clipped frame is r D - b / (1 + |b|^2 / 4 px^2).
 struct PathAhead {
   const float *after_to_state, *state_to_after;  // [2, rows, cols] motions
   const float* last;      // [2, rows, cols] motion to the frame before, or null: then speed is constant
   const float* measured;  // [rows, cols] 0..1: how much of that was measured, and how lately
   float share;            // r
   float before;           // B
-  float scale = 1;        // of limits
 };
 
 // Sums over the pixels of a cell (landing.h) that are compared.
@@ -101,7 +99,6 @@ struct PredictedRow {
   const float* measured_before;  // [rows, cols] the same of the last motion
   float ratio;                   // of this motion's time to the last one's
   float *next_u, *next_v;        // [cols]
-  float scale = 1;               // of limits
 };
 
 struct ClippedMotionKernels {

@@ -1,9 +1,6 @@
 #include "online/priors/motion/flow_effort.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "online/pictures/sparse_lines.h"
 
 namespace hdrcam {
 
@@ -40,11 +37,6 @@ PatchGrid patch_grid(int rows, int cols, int stride) {
 int far_reach(int side) {
   using namespace flow_constants;
   return std::min(side / kReach, kMostReach);
-}
-
-float motion_scale(int rows, int cols) {
-  return std::max(
-      1.f, std::sqrt(static_cast<float>(rows) * static_cast<float>(cols) / static_cast<float>(kUsualPixels)));
 }
 
 }  // namespace hdrcam

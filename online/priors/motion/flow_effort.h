@@ -30,8 +30,4 @@ PatchGrid patch_grid(int rows, int cols, int stride);
 // How far a patch is looked for far away, along a side of so many pixels.
 int far_reach(int side);
 
-// How many pixels a scene's motion takes for one that it takes in a picture of 320x240, in which limits of
-// motion in pixels were settled; 1 at least: in a smaller picture errors of flow are no smaller.
-float motion_scale(int rows, int cols);
-
 }  // namespace hdrcam

@@ -9,7 +9,6 @@
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
 #include "online/priors/motion/clipped_motion_kernels.h"
-#include "online/priors/motion/flow_effort.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/state/exposure_blur.h"
 #include "online/state/fusion_kernels.h"
@@ -97,7 +96,6 @@ void limit(float* motion, int n, float longest) {
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice* gpu)
     : rows_(rows),
       cols_(cols),
-      scale_(motion_scale(rows, cols)),
       pool_(pool),
       flow_(make_dense_flow(rows, cols, pool, gpu)),
       shake_(rows, cols),
@@ -222,11 +220,10 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                        .last = changes ? last_.plane(0) : nullptr,
                        .measured = changes ? measured_before_.plane(0) : nullptr,
                        .share = r,
-                       .before = r / context.before_ratio,
-                       .scale = scale_};
+                       .before = r / context.before_ratio};
   bridge_error_.compare(path, clipped_, clipped_after_, to, pool_);
   const Image<float>& off = bridge_error_.cells();
-  landing_.throw_ahead(state_to_after_, after_to_state_, scale_ * kFastOverClipped, r);
+  landing_.throw_ahead(state_to_after_, after_to_state_, kFastOverClipped, r);
   const Image<float>& landed = landing_.cells();
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
@@ -269,8 +266,7 @@ void MotionEstimator::predict(float ratio, const Image<float>& motion) {
                                         .measured_before = measured_before_.plane(0),
                                         .ratio = ratio,
                                         .next_u = predicted_.row(0, y),
-                                        .next_v = predicted_.row(1, y),
-                                        .scale = scale_});
+                                        .next_v = predicted_.row(1, y)});
   });
 }
 

@@ -37,7 +37,6 @@ class MotionEstimator final : public MotionPrior {
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
 
   int rows_, cols_;
-  const float scale_;  // motion_scale()
   WorkerPool& pool_;
   std::unique_ptr<DenseFlow> flow_;
   CameraShake shake_;

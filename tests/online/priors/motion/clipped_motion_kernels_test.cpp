@@ -18,7 +18,6 @@ namespace {
 constexpr int kRows = 11;
 // a share whose product with a motion is exact, so that the same pixel is the nearest
 constexpr float kShare = 0.25f, kBefore = 0.3f, kRatio = 1.3f;
-constexpr float kScale = 1.25f;  // of limits
 
 constexpr float kRounding = 1e-3f;
 Image<float> waves(int channels, int cols, float mean, float amplitude, float phase) {
@@ -62,8 +61,7 @@ struct Pictures {
             changes ? last.plane(0) : nullptr,
             changes ? measured_before.plane(0) : nullptr,
             kShare,
-            kBefore,
-            kScale};
+            kBefore};
   }
 };
 
@@ -76,8 +74,7 @@ Offset limited(Offset by, float per_pixel2) {
 Offset bend_of(Offset whole, Offset last, float measured) {
   const auto acceleration = [](float end, float start) { return (end + start / kBefore) / (1 + kBefore); };
   const float share = 0.6f * smooth_step(0.9f, 1, measured) * kShare * (1 - kShare);
-  return limited(share * Offset{acceleration(whole.x, last.x), acceleration(whole.y, last.y)},
-                 0.25f / (kScale * kScale));
+  return limited(share * Offset{acceleration(whole.x, last.x), acceleration(whole.y, last.y)}, 0.25f);
 }
 
 // The pixel that is nearest to where one is when it is moved.
@@ -207,7 +204,7 @@ TEST_CASE("what a frame shows of its motion is compared with the path, cell by c
       for (int y = 0; y < kRows; ++y) {  // half of what the frame shows is near the path
         for (int x = 0; x < cols; x += 2) {
           const Offset back = Crossing(pictures, x, y, changes).back;
-          pictures.motion.at(0, y, x) = back.x + 1, pictures.motion.at(1, y, x) = back.y - 0.4f;
+          pictures.motion.at(0, y, x) = back.x + 0.7f, pictures.motion.at(1, y, x) = back.y - 0.4f;
         }
       }
       for (const int y : {0, 4, 10}) {
@@ -227,8 +224,7 @@ TEST_CASE("what a frame shows of its motion is compared with the path, cell by c
           const Offset off = offset_at(pictures.motion, x, y) + -1 * path.back;
           const float off2 = off.x * off.x + off.y * off.y;
           ++cell.pixels, cell.path_u += path.back.x, cell.path_v += path.back.y;
-          if (pictures.clipped.at(0, y, x) > 0.05f || path.seen_after() < 0.95f || off2 >= kScale * kScale)
-            continue;
+          if (pictures.clipped.at(0, y, x) > 0.05f || path.seen_after() < 0.95f || off2 >= 1) continue;
           ++cell.told, cell.off_u += off.x, cell.off_v += off.y, cell.off2 += off2, ++told;
         }
         if (cols > 8) CHECK(told > 4);
@@ -417,15 +413,14 @@ TEST_CASE("half of a motion's change is predicted to go on, less of a large one 
                                         pictures.measured_before.plane(0),
                                         kRatio,
                                         predicted.row(0, y),
-                                        predicted.row(1, y),
-                                        kScale});
+                                        predicted.row(1, y)});
       for (int x = 0; x < cols; ++x) {
         const Offset now = offset_at(pictures.motion, x, y);
         const NearestPixel there(cols, x, y, now);
         const Offset change = now + -kRatio * there.vector_of(pictures.last);
         const float sure = smooth_step(0.9f, 1, measured.at(0, y, x)) *
                            smooth_step(0.9f, 1, there.of(pictures.measured_before, 0));
-        const Offset next = now + 0.5f * sure * limited(change, 1 / (kScale * kScale));
+        const Offset next = now + 0.5f * sure * limited(change, 1);
         expected.at(0, y, x) = next.x;
         expected.at(1, y, x) = next.y;
       }
