@@ -83,32 +83,38 @@ bool CycleChoice::improve(double stops) {
   constexpr double kWorthIt = 0.997;  // of the error so far
   constexpr struct { int time, gain; } kChanges[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, 1}, {1, -1}};
   const std::size_t slots = order_.size();
+  std::array<const ExposureForecast::Values*, ExposureSchedule::kMaxSlots> changed_or_not{}, variances{};
   double least = kWorthIt * error_;
   std::vector<Exposure> best;
+  const auto try_slots = [&](std::size_t first, std::size_t last) {  // in order of exposure
+    for (std::size_t s = 0; s < slots; ++s) tried_[s] = better_[s], variances[s] = &variances_[s];
+    for (std::size_t k = first; k <= last; ++k) {
+      const std::size_t s = order_[k];
+      tried_[s] = changed_[s], variances[s] = changed_or_not[s];
+    }
+    if (tried_ == better_ || !keeps_order(tried_)) return;
+    const double error = forecast_.error({variances.data(), slots});
+    if (error < least) least = error, best = tried_;
+  };
   for (const auto& change : kChanges) {
     for (std::size_t s = 0; s < slots; ++s) {
       const auto exposure = fitted(s, to_seconds(better_[s].time) * std::exp2(change.time * stops),
                                    better_[s].gain * std::exp2(change.gain * stops));
       changed_[s] = exposure.value_or(better_[s]);
-      forecast_.sample_variances(changed_[s], ExposureForecast::Blur::Counted, changed_variances_[s]);
+      changed_or_not[s] = exposure ? &changed_variances_[s] : &variances_[s];
+      if (exposure)
+        forecast_.sample_variances(*exposure, ExposureForecast::Blur::Counted, changed_variances_[s]);
     }
-    for (std::size_t first = 0; first < slots; ++first)
-      for (const std::size_t last : {first, slots - 1}) {
-        std::array<const ExposureForecast::Values*, ExposureSchedule::kMaxSlots> variances{};
-        for (std::size_t s = 0; s < slots; ++s) tried_[s] = better_[s], variances[s] = &variances_[s];
-        for (std::size_t k = first; k <= last; ++k) {
-          const std::size_t s = order_[k];
-          tried_[s] = changed_[s], variances[s] = &changed_variances_[s];
-        }
-        if (!keeps_order(tried_)) continue;
-        const double error = forecast_.error({variances.data(), slots});
-        if (error < least) least = error, best = tried_;
-      }
+    for (std::size_t first = 0; first < slots; ++first) {
+      try_slots(first, first);
+      if (first + 1 < slots) try_slots(first, slots - 1);
+    }
   }
   if (best.empty()) return false;
-  better_ = best, error_ = least;
   for (std::size_t s = 0; s < slots; ++s)
-    forecast_.sample_variances(better_[s], ExposureForecast::Blur::Counted, variances_[s]);
+    if (best[s] != better_[s])
+      forecast_.sample_variances(best[s], ExposureForecast::Blur::Counted, variances_[s]);
+  better_ = best, error_ = least;
   return true;
 }
 
