@@ -12,7 +12,6 @@
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/sinks/frame_pattern.h"
-#include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_name.h"
 
 namespace hdrcam {
@@ -46,8 +45,8 @@ std::vector<NamedOutput> outputs_of(const ReplayFlags& flags, const Settings& se
   std::vector<NamedOutput> outputs = outputs_of(settings, sink_kinds());
   if (!flags.truth.empty() && NovelViews::are_of(storage, flags.truth))
     outputs.push_back({"the novel views beside --output",
-                       NovelViews::files_in(folder_of(settings.output.path(sink_name::kFrames))),
-                       OutputKind::Frames, ".exr"});
+                       NovelViews::files_beside(settings.output.path(sink_name::kFrames)), OutputKind::Frames,
+                       ".exr"});
   return outputs;
 }
 

@@ -4,12 +4,17 @@
 
 #include <vector>
 
+#include "firmware_host/sinks/output_folder.h"
 #include "hal/core/geometry.h"
 #include "render/scores/motion_scores.h"
 #include "render/scores/order_statistics.h"
 #include "render/white_balance.h"
 
 namespace hdrcam {
+
+std::string NovelViews::files_beside(const std::string& frames) {
+  return folder_of(frames) + "/novel/%06d.exr";
+}
 
 bool NovelViews::are_of(Storage& storage, const std::string& clip_folder) {
   return is_there(storage, clip_folder + "/gt/novel");

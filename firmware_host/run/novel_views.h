@@ -20,8 +20,8 @@ namespace hdrcam {
 
 class NovelViews {
  public:
-  // The names of the views beside the HDR frames of a folder.
-  static std::string files_in(const std::string& folder) { return folder + "/novel/%06d.exr"; }
+  // The names of the views beside the HDR frames of these names.
+  static std::string files_beside(const std::string& frames);
   // Whether a clip has such truth.
   static bool are_of(Storage& storage, const std::string& clip_folder);
   // camera: of the frames that are rendered; folder: of the HDR frames, which are compressed like this.

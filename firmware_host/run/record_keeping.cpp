@@ -178,7 +178,7 @@ Result<void> check_not_stopped(const RunPlan& plan, const VirtualCamera& film) {
 EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {
   if (plan.truth.empty()) return {EarlierFrames(storage, ""), EarlierFrames(storage, "")};
   const std::string frames = plan.settings.output.path(sink_name::kFrames);
-  return {EarlierFrames(storage, frames), EarlierFrames(storage, NovelViews::files_in(folder_of(frames)))};
+  return {EarlierFrames(storage, frames), EarlierFrames(storage, NovelViews::files_beside(frames))};
 }
 
 Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,

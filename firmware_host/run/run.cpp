@@ -318,10 +318,8 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
 Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   SharedProgress progress(plan.film != nullptr ? plan.film->frames : source.frame_count());
   std::vector<EarlierFrames> earlier = earlier_frames(storage, plan.sinks, plan.settings.output.paths);
-  if (!plan.truth.empty()) {
-    const std::string folder = folder_of(plan.settings.output.path(sink_name::kFrames));
-    earlier.emplace_back(storage, NovelViews::files_in(folder));
-  }
+  if (!plan.truth.empty())
+    earlier.emplace_back(storage, NovelViews::files_beside(plan.settings.output.path(sink_name::kFrames)));
   RunEnding told;
   std::future<Result<void>> work = std::async(std::launch::async, [&] {
     name_this_thread("fit");
